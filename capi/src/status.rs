@@ -83,7 +83,7 @@ fn status_of(code: &str, otherwise: dc_status) -> dc_status {
         | "multiplier-count"
         | "output-length"
         | "anchor-count" => DC_BAD_SIZE,
-        "derivative-length" | "no-slip" | "not-derived" => DC_NOT_EVALUATED,
+        "derivative-length" | "no-slip" | "not-derived" | "not-refreshed" => DC_NOT_EVALUATED,
         "pattern-mismatch" => DC_PATTERN_MISMATCH,
         "too-many" | "too-many-nodes" | "too-large" | "out-of-memory" => DC_TOO_LARGE,
         "repeated-slave" | "slave-on-master" | "slave-without-area" => DC_BAD_SLAVES,

@@ -110,10 +110,19 @@ pub fn parse<T: DeserializeOwned>(file: &str, text: &[u8]) -> Result<T, CliError
     }
 }
 
+/// Line and column of the last character that is no space.
+fn end(text: &[u8]) -> (usize, usize) {
+    let text = text.trim_ascii_end();
+    let line = text.iter().filter(|&&byte| byte == b'\n').count() + 1;
+    (line, text.iter().rev().take_while(|&&byte| byte != b'\n').count())
+}
+
 fn describe(file: &str, text: &[u8], error: &serde_json::Error, path: Option<&Place>) -> CliError {
-    let (line, column) = (error.line(), error.column());
+    let (line, column) = if error.is_eof() { end(text) } else { (error.line(), error.column()) };
     let message = error.to_string();
-    let statement = message.strip_suffix(&format!(" at line {line} column {column}")).unwrap_or(&message);
+    let statement = message
+        .strip_suffix(&format!(" at line {} column {}", error.line(), error.column()))
+        .unwrap_or(&message);
     let statement = match word_at(text, line, column) {
         Some(word) if error.is_syntax() && NO_NUMBERS.contains(&word) => {
             &format!("{word} is no number in JSON")

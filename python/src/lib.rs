@@ -59,6 +59,7 @@ fn _native(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(surface::tributary_areas, module)?)?;
     module.add_function(wrap_pyfunction!(faces::flat_facets, module)?)?;
     module.add_function(wrap_pyfunction!(law::check_law, module)?)?;
+    module.add_function(wrap_pyfunction!(options::check_options, module)?)?;
     module.add_function(wrap_pyfunction!(options::default_options, module)?)?;
     module.add_function(wrap_pyfunction!(options::adaptive_tangent, module)?)?;
     module.add_function(wrap_pyfunction!(threads::set_threads, module)?)?;

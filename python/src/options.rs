@@ -92,6 +92,12 @@ impl Options {
     }
 }
 
+/// Whether the words of options are known ones.
+#[pyfunction]
+pub fn check_options(py: Python<'_>, options: Options) -> PyResult<()> {
+    options.interface(py, false).map(drop)
+}
+
 /// The defaults of the Rust library, with which those of `diffuse_contact.Options` are compared.
 #[pyfunction]
 pub fn default_options(py: Python<'_>) -> PyResult<Bound<'_, PyDict>> {

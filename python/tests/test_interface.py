@@ -149,8 +149,9 @@ def test_outcomes_of_slaves_without_contact(scene):
     with pytest.raises(dc.InterfaceError) as caught:
         interface.pairing(0)
     assert caught.value.code == "not-paired"
-    contacts = interface.evaluate()
-    assert contacts.outcomes == ["not-paired"] * 4
+    with pytest.raises(dc.InterfaceError) as caught:
+        interface.evaluate()
+    assert caught.value.code == "not-refreshed"
     report = interface.refresh_pairing(scene.positions)
     assert report.without == {"beyond-border": 1, "too-far": 1}
     contacts = interface.evaluate()

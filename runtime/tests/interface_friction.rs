@@ -461,8 +461,7 @@ fn what_is_no_history_is_refused() {
     }
     // Without a history the law asks for one, and other anchors end the pairing.
     pressed.interface.set_anchors(None).unwrap();
-    let contacts = pressed.interface.evaluate(Mode::Gradient).unwrap();
-    assert_eq!(contacts.iter().filter(|contact| contact.outcome.is_contact()).count(), 0);
+    assert_eq!(pressed.interface.evaluate(Mode::Gradient).err(), Some(InterfaceError::NotRefreshed));
     pressed.interface.refresh_pairing(&pressed.positions).unwrap();
     let contacts = pressed.interface.evaluate(Mode::Gradient).unwrap();
     let mut forces = vec![0.0; 3 * pressed.positions.len()];

@@ -1,7 +1,9 @@
 //! Who is paired with whom: sharp edges, thin plates, refresh reports, tributary areas.
 
 use crate::common::{Mesh, Scene, Uniform, distance, hull_layers};
-use diffuse_contact::interface::{ContactElement, ContactInterface, GapJump, NoContact, Outcome, SlaveGap};
+use diffuse_contact::interface::{
+    ContactElement, ContactInterface, GapJump, InterfaceError, NoContact, Outcome, SlaveGap,
+};
 use diffuse_contact::neighbourhood::{NeighbourRule, SearchOptions};
 use diffuse_contact::surface::{Facet, tributary_areas};
 use diffuse_contact::{FrameDerivative, Mode, Point};
@@ -99,8 +101,8 @@ fn a_report_counts_every_slave() {
     let options = hull_layers().with_distance_limit(Some(2.0));
     let slaves = [over_floor(50), vec![[9.0, 9.0, 5.0], [-7.0, 9.0, 0.0], [30.0, 5.0, 0.1]]].concat();
     let mut scene = floor().scene(&slaves, options);
-    let before = scene.interface.evaluate(Mode::Value).unwrap();
-    assert!(before.iter().all(|contact| contact.outcome == Outcome::None(NoContact::NotPaired)));
+    assert_eq!(scene.interface.evaluate(Mode::Value).err(), Some(InterfaceError::NotRefreshed));
+    assert_eq!(scene.interface.for_each(Mode::Value, |_| ()), Err(InterfaceError::NotRefreshed));
     let report = scene.refresh();
     assert_eq!((report.paired, report.gained, report.lost), (50, 50, 0));
     assert_eq!(report.without.iter().collect::<Vec<_>>(), [(&"too-far", &3)]);
@@ -199,6 +201,7 @@ fn areas_are_those_of_the_slave_facets() {
     let nodal = tributary_areas(&positions, &facets).unwrap();
     assert!(contacts.iter().all(|contact| contact.area == nodal[contact.slave]));
     let mut without = interface(false, &facets, &slaves).unwrap();
+    without.refresh_pairing(&positions).unwrap();
     assert!(without.evaluate(Mode::Value).unwrap().iter().all(|contact| contact.area == 1.0));
     assert_eq!(interface(true, &[], &slaves).unwrap_err().code(), "slave-without-area");
     assert_eq!(interface(true, &facets[1..], &slaves).err().map(|error| error.code()), None);

@@ -195,6 +195,9 @@ fn what_cannot_be_multiplied_is_refused() {
     assert!(operator.add_product(&v, &mut product[1..]).is_err());
     assert!(operator.add_diagonal(&mut product[1..]).is_err());
     assert!(product.iter().all(|x| *x == 7.0));
-    let endless = vec![f64::NAN; 3 * nodes];
-    assert_eq!(operator.add_product(&endless, &mut product).unwrap_err().code(), "overflow");
+    let mut endless = v.clone();
+    endless[1] = f64::INFINITY;
+    let refused = AssemblyError::NonFiniteEntry { what: "v", equation: 1, value: f64::INFINITY };
+    assert_eq!(operator.add_product(&endless, &mut product), Err(refused));
+    assert_eq!(operator.add_product(&vec![1e308; 3 * nodes], &mut product).unwrap_err().code(), "overflow");
 }

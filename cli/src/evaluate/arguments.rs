@@ -31,7 +31,10 @@ const JSON_FORMATS: &str = r#"IN.json:
     "weight": "cubic",               the default, (1 - r)^2 (1 + 2 r), or
               "cubic-interpolating", the same made interpolating: the surface passes through the masters, or
               "wendland-c2",         (1 - r)^4 (1 + 4 r)
-    "penalty": 1.0                   the default
+    "penalty": 1.0,                  the default
+    "anchor": [x, y, z],             where the place is that the slip is measured from; without it there is no slip
+    "friction": {"coefficient": 0.3, "stiffness": 1.0, "shear_limit": 2.0}
+                                     Coulomb's, force per length in stick; needs the anchor; no limit if left out
   }, ...]}
 
 OUT.json, in the same order; vectors and rows over slave, master 1, ... master n, global axes:

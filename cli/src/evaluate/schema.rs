@@ -330,6 +330,7 @@ mod tests {
             (r#"{"elements": []} x"#, "not valid JSON: trailing characters"),
             (r#"{"elements": 3}"#, "elements: invalid type: integer `3`, expected a sequence"),
             ("", "line 1, column 0: not valid JSON: EOF while parsing a value"),
+            ("{\"elements\":\n [ \n\n", "line 2, column 2: elements: not valid JSON: EOF"),
             ("[1]", "line 1, column 0: invalid type: sequence, expected an object"),
             ("[[]]", "expected an object"),
             (

@@ -112,6 +112,7 @@ class Options:
         if self.distance_limit is not None:
             number("distance_limit", self.distance_limit)
         object.__setattr__(self, "linear_fallback", flag("linear_fallback", self.linear_fallback))
+        _native.check_options(self)
 
 
 def _options(owner: Callable[..., Any], master: Any, options: dict[str, Any]) -> Options:
@@ -170,7 +171,7 @@ class ContactInterface(FrictionHistory):
     """Slave nodes paired with a master surface.
 
     In a Newton iteration: ``refresh_pairing`` once an increment or once an iteration, then at each iteration
-    ``follow``, ``evaluate``, ``forces`` and ``tangent``, the last with ``adaptive_tangent``. Every slave has an
+    ``update`` (``follow`` where slaves leave their domains meanwhile), ``evaluate``, ``forces`` and ``tangent``, the last with ``adaptive_tangent``. Every slave has an
     outcome; an exception is for what the caller has to mend, and leaves the interface as it was. (An evaluation that
     finds no memory leaves it without results.) Arrays given as ``out`` are as they were, but if a sum overflows: they
     then hold anything.

@@ -88,7 +88,10 @@ pub enum AssemblyError {
         element: usize,
     },
     /// Contact over faces was evaluated with fewer derivatives than this takes.
-    #[error("this takes an evaluation in {needed:?} mode; the last one was in {found:?} mode")]
+    #[error(
+        "this takes an evaluation in {needed:?} mode; the last one was in {found:?} mode{}",
+        if *needed == Mode::Hessian && *found == Mode::Gradient { ", which is enough for the Gauss-Newton tangent" } else { "" }
+    )]
     NotDerived {
         /// The mode that is needed.
         needed: Mode,
@@ -190,7 +193,7 @@ pub enum AssemblyError {
     )]
     NoFrictionKernels,
     /// The law has friction, but the elements come without slips.
-    #[error("the law has friction, but element {element} has no slip: accept a state before the first step")]
+    #[error("the law has friction, but element {element} has no slip: call accept before the first step")]
     NoSlip {
         /// The first such element, counted from 0.
         element: usize,
@@ -210,6 +213,16 @@ pub enum AssemblyError {
     /// One triangle of a tangent that is not symmetric was asked for.
     #[error("the exact tangent of friction is not symmetric: one triangle is not all of it")]
     Unsymmetric,
+    /// An entry of a vector that is multiplied is NaN or infinite.
+    #[error("entry {equation} of {what} is {value}")]
+    NonFiniteEntry {
+        /// `"v"`.
+        what: &'static str,
+        /// The first such equation.
+        equation: usize,
+        /// The entry.
+        value: f64,
+    },
     /// A sum left the range of numbers, or was not finite before anything was added.
     #[error("the {what} of equation {equation} are not finite")]
     Overflow {
@@ -221,6 +234,16 @@ pub enum AssemblyError {
 }
 
 impl AssemblyError {
+    /// Of a product with `v` that is not finite: the fault of `v` if an entry of it is not.
+    pub(crate) fn of_product(self, v: &[f64]) -> Self {
+        match (v.iter().position(|x| !x.is_finite()), &self) {
+            (Some(equation), Self::Overflow { .. }) => {
+                Self::NonFiniteEntry { what: "v", equation, value: v[equation] }
+            }
+            _ => self,
+        }
+    }
+
     /// Stable machine-readable code.
     #[must_use]
     pub const fn code(&self) -> &'static str {
@@ -231,6 +254,7 @@ impl AssemblyError {
             Self::InvalidGap { .. } => "invalid-gap",
             Self::InvalidArea { .. } => "invalid-area",
             Self::ForceOverflow { .. } | Self::Overflow { .. } => "overflow",
+            Self::NonFiniteEntry { .. } => "non-finite-input",
             Self::InvalidPressure { .. } => "invalid-pressure",
             Self::MultipliersOfOwnLaw => "multipliers-of-own-law",
             Self::InvalidTable { .. } => "invalid-table",

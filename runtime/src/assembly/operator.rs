@@ -250,8 +250,8 @@ impl TangentOperator {
     /// number of threads, bit for bit. It differs from that of the assembled matrix by rounding.
     ///
     /// # Errors
-    /// [`AssemblyError::OutputLength`]; `product` is then unchanged. [`AssemblyError::Overflow`] if an entry is not finite; its contents
-    /// are then unspecified.
+    /// [`AssemblyError::OutputLength`]; `product` is then unchanged. [`AssemblyError::NonFiniteEntry`] if one of `v` is not finite,
+    /// [`AssemblyError::Overflow`] if one of the sum is not; its contents are then unspecified.
     pub fn add_product(&mut self, v: &[f64], product: &mut [f64]) -> Result<(), AssemblyError> {
         self.add_product_of(Side::Right, v, product)
     }
@@ -276,7 +276,7 @@ impl TangentOperator {
         let (moves, rotations) = (&self.moves, &self.rotations);
         let slots = split(&self.parts, &mut self.contributions);
         slots.into_par_iter().for_each(|(part, target)| part.multiply(side, moves, rotations, target));
-        self.add_sums("products", product)
+        self.add_sums("products", product).map_err(|error| error.of_product(v))
     }
 
     /// Adds the diagonal of K to `diagonal`: one entry per equation.

@@ -425,7 +425,8 @@ mod tests {
         for rule in FaceRule::ALL {
             let mut points = Vec::new();
             let anywhere = |_| Some(f64::INFINITY);
-            let within = |limit| Cutting { rule, limit, depth: &anywhere };
+            let everywhere = |_| rule;
+            let within = |limit| Cutting { rule: &everywhere, limit, depth: &anywhere };
             cut(&face, &face, nothing, &index, within(0.5), &mut CutScratch::default(), &mut points);
             let sum: f64 = points.iter().map(|point| point.weight).sum();
             assert!((sum - face.area_vector().norm()).abs() < 1e-5, "{sum}");

@@ -435,10 +435,14 @@ impl FaceInterface {
     /// [`Mode::Hessian`] the exact tangent. The law's penalty is per area, and so are its multipliers: pressures, one per node.
     ///
     /// # Errors
-    /// [`InterfaceError::Law`]; [`InterfaceError::OutOfMemory`], after which there are no contacts. A law with friction needs a state that
+    /// [`InterfaceError::NotRefreshed`] before the first refresh or update; [`InterfaceError::Law`]; [`InterfaceError::OutOfMemory`], after
+    /// which there are no contacts. A law with friction needs a state that
     /// was [accepted](Self::accept) before nodes carry pressure.
     pub fn evaluate(&mut self, law: &ContactLaw<'_>, mode: Mode) -> Result<&FaceContacts, InterfaceError> {
         law.validate(self.nodes.len())?;
+        if self.cut_at.is_none() {
+            return Err(InterfaceError::NotRefreshed);
+        }
         let Averages { mut nodes, normals, is_contact } = self.averages(law)?;
         let tractions = self.tractions(law, &mut nodes, &normals)?;
         let mut contacts = FaceContacts { nodes, mode, missed: self.unplaced, ..FaceContacts::default() };

@@ -19,7 +19,7 @@ impl FaceContacts {
     ///
     /// # Errors
     /// [`AssemblyError::OutputLength`], [`AssemblyError::UnknownNode`], [`AssemblyError::NotDerived`]: `product` is then unchanged.
-    /// [`AssemblyError::Overflow`] if an entry is not finite; the contents of `product` are then unspecified.
+    /// [`AssemblyError::NonFiniteEntry`], [`AssemblyError::Overflow`] if an entry of `v` or of the sum is not finite; the contents of `product` are then unspecified.
     pub fn add_product(
         &self,
         tangent: Tangent,
@@ -57,7 +57,7 @@ impl FaceContacts {
                     let Some(equation) = dofs.equation(node as usize, axis) else { continue };
                     product[equation] += sum;
                     if !product[equation].is_finite() {
-                        return Err(AssemblyError::Overflow { what: "products", equation });
+                        return Err(AssemblyError::Overflow { what: "products", equation }.of_product(v));
                     }
                 }
             }

@@ -86,11 +86,7 @@ impl ContactInterface {
     pub fn accept(&mut self, law: &ContactLaw<'_>) -> Result<FrictionReport, InterfaceError> {
         let Some(friction) = law.friction else { return Ok(FrictionReport::default()) };
         self.check_accepted(law)?;
-        let is_refreshed =
-            self.pairings.records.iter().any(|record| !matches!(record, Err(NoContact::NotPaired)));
-        if !is_refreshed {
-            return Err(InterfaceError::NotRefreshed);
-        }
+        self.check_refreshed()?;
         let (anchors, report) = self.evaluator().accept(&self.pairings, law, &friction, &self.elements)?;
         self.anchors = Some(anchors);
         self.augmented = None;

@@ -37,9 +37,7 @@ pub enum InterfaceError {
     #[error("symmetry planes need the neighbour rule \"domains\": other rules have no mirror images")]
     NoSymmetry,
     /// A step is accepted before any slave was paired: all would be without friction.
-    #[error(
-        "a step is accepted before the first refresh of the pairing: no slave has a foot that friction could begin from"
-    )]
+    #[error("the slaves have not been paired: call a refresh first")]
     NotRefreshed,
     /// Contact over faces with the diffuse element has nodal domains only: other rules would change the gap in every iteration.
     #[error(

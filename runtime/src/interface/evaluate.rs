@@ -15,7 +15,7 @@ impl ContactInterface {
     /// [`refresh_pairing`](Self::refresh_pairing), with the derivatives that `mode` asks for.
     ///
     /// # Errors
-    /// [`InterfaceError::OutOfMemory`]: a Hessian over 16 masters takes 10.6 kB, see [`for_each`](Self::for_each).
+    /// [`InterfaceError::NotRefreshed`] before the first refresh; [`InterfaceError::OutOfMemory`]: a Hessian over 16 masters takes 10.6 kB, see [`for_each`](Self::for_each).
     pub fn evaluate(&mut self, mode: Mode) -> Result<&Contacts, InterfaceError> {
         self.evaluate_as(Request::all(mode))
     }
@@ -41,7 +41,16 @@ impl ContactInterface {
         self.evaluate_as(Request { mode, is_loaded: Some(&is_loaded) })
     }
 
+    /// Whether slaves have been paired since the interface was made, or got planes of symmetry.
+    pub(super) fn check_refreshed(&self) -> Result<(), InterfaceError> {
+        let records = &self.pairings.records;
+        let is_paired =
+            records.is_empty() || records.iter().any(|record| !matches!(record, Err(NoContact::NotPaired)));
+        if is_paired { Ok(()) } else { Err(InterfaceError::NotRefreshed) }
+    }
+
     fn evaluate_as(&mut self, request: Request<'_>) -> Result<&Contacts, InterfaceError> {
+        self.check_refreshed()?;
         let Self {
             master,
             options,
@@ -70,11 +79,12 @@ impl ContactInterface {
     /// forgotten. They are the same as those of [`evaluate`](Self::evaluate), bit for bit.
     ///
     /// # Errors
-    /// [`InterfaceError::OutOfMemory`].
+    /// As [`evaluate`](Self::evaluate).
     pub fn for_each<F>(&self, mode: Mode, mut f: F) -> Result<(), InterfaceError>
     where
         F: FnMut(ContactRef<'_>),
     {
+        self.check_refreshed()?;
         let mut results = Results::default();
         // One chunk for each thread: more of them leave the processor's cache before they are handed over.
         let batch = CHUNK * rayon::current_num_threads();

@@ -113,6 +113,7 @@ impl ContactInterface {
         with_second: bool,
         is_loaded: impl Fn(usize, f64, f64) -> bool + Sync,
     ) -> Result<Vec<LinearContacts>, InterfaceError> {
+        self.check_refreshed()?;
         let all = self.pairings.all();
         let starts: Vec<usize> = all.clone().step_by(CHUNK).collect();
         let of_range =

@@ -29,6 +29,7 @@ fn interface(pair: &Pair, element: ContactElement, faces: &[QuadraticFace]) -> F
     let mut interface = pair.interface(element, FaceRule::Second);
     interface.set_quadratic_faces(faces).unwrap();
     assert_eq!(interface.accept(&law()), Err(InterfaceError::NotRefreshed));
+    assert_eq!(interface.evaluate(&law(), Mode::Value).err(), Some(InterfaceError::NotRefreshed));
     interface.refresh(&pair.positions).unwrap();
     assert!(interface.history().is_empty());
     let report = interface.accept(&law()).unwrap();

@@ -476,6 +476,9 @@ fn derivatives_that_were_not_evaluated_are_refused() {
     assert!(product.iter().all(|&x| x == 7.0));
     let endless = vec![f64::NAN; v.len()];
     let error = contacts.add_product(Tangent::GaussNewton, &dofs, &endless, &mut product).unwrap_err();
+    assert_eq!(error.code(), "non-finite-input");
+    let largest = vec![1e308; v.len()];
+    let error = contacts.add_product(Tangent::GaussNewton, &dofs, &largest, &mut product).unwrap_err();
     assert_eq!(error.code(), "overflow");
 }
 

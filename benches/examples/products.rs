@@ -54,7 +54,7 @@ fn patch(nodes: usize, noise: &mut Noise) -> (Point, Vec<Point>) {
 
 fn element((slave, masters): &(Point, Vec<Point>), moving: bool) -> Result<Element<'_>, Failure> {
     let frame = Frame::average_plane(masters, [0.0, 0.0, 1.0])?;
-    Ok(Element::new(*slave, masters, if moving { frame } else { frame.frozen() }, 1.3))
+    Ok(Element::new(*slave, masters, if moving { frame } else { frame.held() }, 1.3))
 }
 
 fn elements(nodes: usize, moving: bool) -> Result<(), Failure> {

@@ -24,7 +24,7 @@ const SUPPORT_RADIUS: f64 = 1.3;
 
 fn main() -> Result<(), Failure> {
     println!("one element of a batch, ns: g, N, M; g, N, M and q, ∇q, ∇²q; the ratio");
-    for rule in [FrameRule::Frozen, FrameRule::CoMoving, FrameRule::Material] {
+    for rule in [FrameRule::Held, FrameRule::CoMoving, FrameRule::Material] {
         for nodes in [9, 16] {
             let [gap, slip] = measure(nodes, rule)?;
             println!("n = {nodes:2}, {rule:?}: {gap:6.0} {slip:6.0} {:.2}", slip / gap);

@@ -26,7 +26,7 @@ fn main() -> Result<(), Box<dyn Error>> {
 
 /// One element with its results.
 fn entry(elements: &Elements, index: usize) -> Result<Value, Box<dyn Error>> {
-    let element = elements.frozen(index);
+    let element = elements.held(index);
     let result = |output| -> Result<Value, Box<dyn Error>> {
         let Evaluation { value, gradient, hessian } = reference(elements, output, index)?;
         Ok(json!({ "value": value, "gradient": gradient, "hessian": hessian }))

@@ -1,6 +1,6 @@
 //! The gap over the dual numbers of num-dual: the function stated once, differentiated by arithmetic.
 //!
-//! Quadratic basis, cubic weight, frozen frame. As good as dual numbers allow: the foot is found on reals, and two Newton
+//! Quadratic basis, cubic weight, held frame. As good as dual numbers allow: the foot is found on reals, and two Newton
 //! steps with its real Jacobian carry derivatives of second order exactly; of the moment matrix only the 15 different
 //! entries are summed; nothing is allocated. Lengths are over the support radius.
 
@@ -51,7 +51,7 @@ fn one_by_one(
     gap: fn(&Element<'_>, &mut [f64], &mut [f64]) -> Option<f64>,
 ) -> Box<dyn Run + '_> {
     Box::new(OneByOne::new(elements, move |elements, index, gradient, hessian| {
-        gap(&elements.frozen(index), gradient, hessian)
+        gap(&elements.held(index), gradient, hessian)
     }))
 }
 

@@ -105,9 +105,9 @@ impl Elements {
     /// # Panics
     /// If there is no such element.
     #[must_use]
-    pub fn frozen(&self, index: usize) -> Element<'_> {
+    pub fn held(&self, index: usize) -> Element<'_> {
         let element = self.co_moving(index);
-        element.with_frame(element.frame.frozen())
+        element.with_frame(element.frame.held())
     }
 
     /// Element `index` with its frame, the average plane, moving with the masters.
@@ -152,7 +152,7 @@ impl Elements {
             Element::new(slave, &masters, frame, support_radius).with_basis(basis).with_weight(weight);
         // By the backend that uses no vectors, so that the elements are the same on every machine.
         Generated.gap(&element, Mode::Value)?;
-        Generated.gap(&element.with_frame(frame.frozen()), Mode::Value)?;
+        Generated.gap(&element.with_frame(frame.held()), Mode::Value)?;
         self.slaves.push(slave);
         self.masters.extend_from_slice(&masters);
         self.frames.push(frame);
@@ -185,9 +185,9 @@ mod tests {
         assert_eq!((elements.len(), elements.nodes(), elements.degrees_of_freedom()), (20, 9, 30));
         let again = Elements::new(9, 20).unwrap();
         for i in 0..20 {
-            assert_eq!(elements.frozen(i).masters, again.frozen(i).masters);
+            assert_eq!(elements.held(i).masters, again.held(i).masters);
             for j in 0..i {
-                assert_ne!(elements.frozen(i).slave, elements.frozen(j).slave);
+                assert_ne!(elements.held(i).slave, elements.held(j).slave);
             }
         }
     }

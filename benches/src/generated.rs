@@ -122,7 +122,7 @@ impl<'a> SurfaceOneByOne<'a> {
 
     #[inline]
     fn evaluate(&mut self, index: usize) -> Result<f64, NoResult> {
-        let element = self.elements.frozen(index);
+        let element = self.elements.held(index);
         let inputs = inputs(&element, SURFACE_POINT.map(|u| u * element.support_radius));
         let values: SurfaceValues<f64> =
             Cubic::surface(Basis::Quadratic, Mode::Hessian, &inputs, &mut self.gradients, &mut self.hessian);
@@ -161,10 +161,10 @@ pub fn operations(output: Output, elements: &Elements) -> f64 {
     use codegen::{FrameRule, Mode, Output as Kernel};
     use diffuse_contact_codegen as codegen;
     let (kernel, mode, frame) = match output {
-        Output::GapGradient => (Kernel::Gap, Mode::Gradient, FrameRule::Frozen),
-        Output::GapHessian => (Kernel::Gap, Mode::Hessian, FrameRule::Frozen),
+        Output::GapGradient => (Kernel::Gap, Mode::Gradient, FrameRule::Held),
+        Output::GapHessian => (Kernel::Gap, Mode::Hessian, FrameRule::Held),
         Output::GapCoMovingHessian => (Kernel::Gap, Mode::Hessian, FrameRule::CoMoving),
-        Output::SurfaceHessian => (Kernel::Surface, Mode::Hessian, FrameRule::Frozen),
+        Output::SurfaceHessian => (Kernel::Surface, Mode::Hessian, FrameRule::Held),
     };
     let spec = codegen::KernelSpec {
         output: kernel,
@@ -182,8 +182,8 @@ pub fn operations(output: Output, elements: &Elements) -> f64 {
 #[must_use]
 pub fn foot_iterations(elements: &Elements) -> f64 {
     let iterations = |index| {
-        let inputs = inputs(&elements.frozen(index), [0.0; 2]);
-        let kernel = (Basis::Quadratic, FrameRule::Frozen, Mode::Value);
+        let inputs = inputs(&elements.held(index), [0.0; 2]);
+        let kernel = (Basis::Quadratic, FrameRule::Held, Mode::Value);
         let values: GapValues<f64> = Cubic::gap(Isa::SCALAR, kernel, &inputs, &mut [], &mut []);
         values.foot_iterations
     };
@@ -194,7 +194,7 @@ pub fn foot_iterations(elements: &Elements) -> f64 {
 pub(crate) fn element(elements: &Elements, output: Output, index: usize) -> Element<'_> {
     match output {
         Output::GapCoMovingHessian => elements.co_moving(index),
-        _ => elements.frozen(index),
+        _ => elements.held(index),
     }
 }
 
@@ -204,8 +204,8 @@ pub(crate) fn element(elements: &Elements, output: Output, index: usize) -> Elem
 /// If the output is a surface.
 pub(crate) fn gap_kernel(output: Output) -> (Basis, FrameRule, Mode) {
     match output {
-        Output::GapGradient => (Basis::Quadratic, FrameRule::Frozen, Mode::Gradient),
-        Output::GapHessian => (Basis::Quadratic, FrameRule::Frozen, Mode::Hessian),
+        Output::GapGradient => (Basis::Quadratic, FrameRule::Held, Mode::Gradient),
+        Output::GapHessian => (Basis::Quadratic, FrameRule::Held, Mode::Hessian),
         Output::GapCoMovingHessian => (Basis::Quadratic, FrameRule::CoMoving, Mode::Hessian),
         Output::SurfaceHessian => panic!("a surface has no gap"),
     }

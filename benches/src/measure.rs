@@ -192,7 +192,7 @@ fn compare(contender: &Contender, run: &mut dyn Run, elements: &Elements) -> Res
     for element in 0..elements.len() {
         let found = run.evaluation(element).map_err(no_result)?;
         let expected = reference(elements, output, element).map_err(no_result)?;
-        for (what, difference) in differences(&found, &expected, elements.frozen(element).support_radius) {
+        for (what, difference) in differences(&found, &expected, elements.held(element).support_radius) {
             if !(difference <= TOLERANCE) {
                 return Err(MeasureError::Disagreement { kernel, nodes, element, what, difference });
             }

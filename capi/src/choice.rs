@@ -145,7 +145,7 @@ macro_rules! named {
 
 named!("mode", Mode, dc_mode: Value = DC_VALUE, Gradient = DC_GRADIENT, Hessian = DC_HESSIAN);
 named!("weight", Weight, dc_weight: Cubic = DC_CUBIC, CubicInterpolating = DC_CUBIC_INTERPOLATING, WendlandC2 = DC_WENDLAND_C2);
-named!("frame", FrameDerivative, dc_frame: CoMoving = DC_CO_MOVING, Frozen = DC_HELD);
+named!("frame", FrameDerivative, dc_frame: CoMoving = DC_CO_MOVING, Held = DC_HELD);
 named!("basis", Basis, dc_basis: Linear = DC_LINEAR, Quadratic = DC_QUADRATIC; Self::Custom(_) = DC_QUADRATIC);
 named!("friction state", FrictionState, dc_friction_state: Open = DC_OPEN, Stick = DC_STICK, Slip = DC_SLIP);
 named!("coefficient", dc_coefficient, dc_coefficient:

@@ -21,7 +21,7 @@ pub struct ElementArguments {
     #[arg(long, value_parser = named(Weight::ALL, Weight::name))]
     pub weight: Option<Weight>,
     /// What the local frame of the smooth surface does while differentiating [default: co-moving]
-    #[arg(long, value_parser = named([FrameDerivative::CoMoving, FrameDerivative::Frozen], frame_name))]
+    #[arg(long, value_parser = named([FrameDerivative::CoMoving, FrameDerivative::Held], frame_name))]
     pub frame_derivative: Option<FrameDerivative>,
     /// Which master nodes carry the smooth surface around a slave [default: domains]
     #[arg(long, value_parser = named(RULES, rule_name))]
@@ -146,7 +146,7 @@ impl std::fmt::Display for ElementDescription {
 pub const fn frame_name(frame: FrameDerivative) -> &'static str {
     match frame {
         FrameDerivative::CoMoving => "co-moving",
-        FrameDerivative::Frozen => "frozen",
+        FrameDerivative::Held => "held",
     }
 }
 

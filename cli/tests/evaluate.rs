@@ -109,13 +109,13 @@ fn moment(element: &Value, n: &[f64]) -> [f64; 3] {
 }
 
 #[test]
-fn the_average_plane_moves_unless_it_is_frozen() {
+fn the_average_plane_moves_unless_it_is_held() {
     let element = bent([1.3, 0.8, 0.4]);
     let mut moving = element.clone();
     moving["frame_derivative"] = json!("co-moving");
-    let mut frozen = element.clone();
-    frozen["frame_derivative"] = json!("frozen");
-    let answers = evaluate(json!([element, moving, frozen]));
+    let mut held = element.clone();
+    held["frame_derivative"] = json!("held");
+    let answers = evaluate(json!([element, moving, held]));
     assert_eq!(answers[0], answers[1]);
     assert_close(answers[0]["gap"].as_f64().unwrap(), answers[2]["gap"].as_f64().unwrap());
     // Only a gap that follows every motion of the nodes makes no moment.
@@ -125,12 +125,12 @@ fn the_average_plane_moves_unless_it_is_frozen() {
     assert!(largest(&answers[0]) < 1e-13, "{}", largest(&answers[0]));
     assert!(largest(&answers[2]) > 1e-3, "{}", largest(&answers[2]));
 
-    // The frozen average plane is the same as that plane, given.
-    let mut given = frozen.clone();
+    // The held average plane is the same as that plane, given.
+    let mut given = held.clone();
     given["frame"] = answers[2]["frame"].clone();
     given.as_object_mut().unwrap().remove("frame_derivative");
     let given = &evaluate(json!([given]))[0];
-    assert_eq!(given["frame_derivative"], "frozen");
+    assert_eq!(given["frame_derivative"], "held");
     assert_eq!((&given["n"], &given["m"]), (&answers[2]["n"], &answers[2]["m"]));
 }
 
@@ -139,9 +139,9 @@ fn a_given_frame_does_not_move() {
     let mut element = plane([1.0, 1.0, 0.5]);
     element["frame"] = json!({"origin": [0, 0, 0], "t1": [1, 0, 0], "t2": [0, 1, 0], "normal": [0, 0, 1]});
     element["frame_derivative"] = json!("co-moving");
-    let mut frozen = element.clone();
-    frozen["frame_derivative"] = json!("frozen");
-    let answers = evaluate(json!([element, frozen]));
+    let mut held = element.clone();
+    held["frame_derivative"] = json!("held");
+    let answers = evaluate(json!([element, held]));
     assert_eq!(answers[0]["code"], "co-moving-given-frame");
     let message = answers[0]["message"].as_str().unwrap();
     assert!(message.contains("which does not move with the nodes"), "{message}");
@@ -241,7 +241,7 @@ fn what_does_not_follow_the_schema_is_refused_as_a_whole() {
         ),
         (
             r#"{"elements": [{"slave": [0, 0, 0], "masters": [], "frame_derivative": "moving"}]}"#,
-            "elements[0].frame_derivative: unknown variant `moving`, expected `frozen` or `co-moving`",
+            "elements[0].frame_derivative: unknown variant `moving`, expected `held` or `co-moving`",
         ),
         (r#"{"elements": [{"slave": [0, 0, 0]"#, "not valid JSON: EOF while parsing"),
     ] {
@@ -516,7 +516,7 @@ fn domains_in_the_first_configuration_are_complete_or_refused() {
         (metric(json!([[1, 1, 0], [1, 1, 0], [0, 0, 1]])), "invalid-metric", "positive definite"),
         (metric(json!([[0, 0, 0], [0, 0, 0], [0, 0, 0]])), "invalid-metric", "positive definite"),
         (metric(json!([[1, 0.5, 0], [0, 1, 0], [0, 0, 1]])), "invalid-metric", "symmetric"),
-        (with("frame_derivative", json!("frozen")), "held-frame", "moves with the average plane"),
+        (with("frame_derivative", json!("held")), "held-frame", "moves with the average plane"),
         (without("outward"), "missing-outward", "`outward` is missing"),
         (with("slave", json!(far)), "not-material-place", "place in the first configuration"),
     ] {

@@ -115,7 +115,7 @@ fn weights_and_frames_are_those_asked_for() {
     // Held or moving, the frame of hull layers is the same when the pairing has just been refreshed.
     let layers = ["--rule", "hull-layers"];
     let moving = smallest(&layers);
-    assert_eq!(moving, smallest(&[&layers[..], &["--frame-derivative", "frozen"]].concat()));
+    assert_eq!(moving, smallest(&[&layers[..], &["--frame-derivative", "held"]].concat()));
     for weight in ["cubic-interpolating", "wendland-c2"] {
         let other = smallest(&["--weight", weight]);
         assert!(other != cubic && (other - cubic).abs() < 0.05, "{weight}: {other} {cubic}");

@@ -12,7 +12,7 @@ fn the_golden_excerpt_is_what_the_generator_emits() {
         mode: Mode::Gradient,
         basis: Basis::Linear,
         weight: Weight::cubic(),
-        frame: FrameRule::Frozen,
+        frame: FrameRule::Held,
     };
     let support = syn::parse_str("diffuse_contact_kernels::support").unwrap();
     let (text, _) = emit_single(&spec, &support);

@@ -14,7 +14,7 @@ fn gap_hessian(basis: Basis, weight: &Weight, frame: FrameRule) -> KernelCounts 
 #[test]
 fn a_moving_frame_costs_less_than_the_held_one_again() {
     for weight in [Weight::cubic(), Weight::cubic_interpolating(), Weight::wendland_c2()] {
-        let held = gap_hessian(Basis::Quadratic, &weight, FrameRule::Frozen);
+        let held = gap_hessian(Basis::Quadratic, &weight, FrameRule::Held);
         let moving = gap_hessian(Basis::Quadratic, &weight, FrameRule::CoMoving);
         for nodes in 6..=24 {
             let [held, moving] = [held, moving].map(|counts| counts.total(nodes).total() as f64);
@@ -27,7 +27,7 @@ fn a_moving_frame_costs_less_than_the_held_one_again() {
 #[test]
 fn a_moving_frame_adds_a_rank_of_six_to_the_pairs() {
     for basis in Basis::ALL {
-        let [held, moving] = [FrameRule::Frozen, FrameRule::CoMoving]
+        let [held, moving] = [FrameRule::Held, FrameRule::CoMoving]
             .map(|frame| gap_hessian(basis, &Weight::cubic(), frame).pair.total());
         assert_eq!(moving - held, 6 * 9, "{}", basis.name());
     }
@@ -38,7 +38,7 @@ fn a_moving_frame_adds_a_rank_of_six_to_the_pairs() {
 fn the_hessians_of_gap_and_slip_have_rows_in_common() {
     for basis in Basis::ALL {
         for weight in [Weight::cubic(), Weight::cubic_interpolating()] {
-            for frame in [FrameRule::Frozen, FrameRule::CoMoving, FrameRule::Material] {
+            for frame in [FrameRule::Held, FrameRule::CoMoving, FrameRule::Material] {
                 let (output, mode, weight) = (Output::Slip, Mode::Hessian, weight.clone());
                 let text = emit_kernel(&KernelSpec { output, mode, basis, weight, frame }).tokens.to_string();
                 let calls = ["finish_pair", "finish_form"].map(|name| text.matches(name).count());

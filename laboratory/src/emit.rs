@@ -65,7 +65,7 @@ pub struct EmitArguments {
     /// Basis and weight.
     #[command(flatten)]
     pub fit: FitArguments,
-    /// What the local frame does while differentiating the gap [default: frozen; both with --counts]
+    /// What the local frame does while differentiating the gap [default: held; both with --counts]
     #[arg(long, value_parser = named(FrameRule::ALL, frame_name))]
     pub frame_derivative: Option<FrameRule>,
     /// Instead of a kernel, print the operation counts of all kernels
@@ -79,7 +79,7 @@ pub struct EmitArguments {
 /// Name of a frame rule, the same as in the JSON of `evaluate`.
 pub const fn frame_name(frame: FrameRule) -> &'static str {
     match frame {
-        FrameRule::Frozen => "frozen",
+        FrameRule::Held => "held",
         FrameRule::CoMoving => "co-moving",
         FrameRule::Material => "material",
     }
@@ -294,10 +294,10 @@ mod tests {
     fn a_formula_over_two_lines_stays_in_its_comment() {
         let weight = crate::weight::Weight::new("(1 - r)^2\n * (1 + 2*r)", false).unwrap().for_generator();
         let (output, mode, basis, frame) =
-            (Output::Coefficients, Mode::Value, Basis::Linear, FrameRule::Frozen);
+            (Output::Coefficients, Mode::Value, Basis::Linear, FrameRule::Held);
         let spec = KernelSpec { output, mode, basis, weight, frame };
         let text = counts_comment(&spec, &KernelCounts::default(), 3);
-        assert!(text.contains("weight (1 - r)^2 * (1 + 2*r), frozen frame: operations"), "{text}");
+        assert!(text.contains("weight (1 - r)^2 * (1 + 2*r), held frame: operations"), "{text}");
         assert!(text.lines().all(|line| line.is_empty() || line.starts_with("//")), "{text}");
     }
 

@@ -267,7 +267,7 @@ impl Evaluation<'_> {
     /// 1 if the frame is held: then there is no plane whose turn has to be found.
     fn plane_pivot_ratio(&mut self) -> f64 {
         match self.kernel.spec.frame {
-            FrameRule::Frozen => 1.0,
+            FrameRule::Held => 1.0,
             FrameRule::CoMoving | FrameRule::Material => self.scalar("plane_pivot_ratio"),
         }
     }
@@ -425,7 +425,7 @@ fn frame_rule(output: Output, element: &Element<'_>) -> FrameRule {
     match (element.frame.derivative, element.domains) {
         (FrameDerivative::CoMoving, Domains::Material(_)) if output.has_gap() => FrameRule::Material,
         (FrameDerivative::CoMoving, _) if output.has_gap() => FrameRule::CoMoving,
-        _ => FrameRule::Frozen,
+        _ => FrameRule::Held,
     }
 }
 
@@ -476,7 +476,7 @@ mod tests {
         let masters: Vec<[f64; 3]> = grid().iter().enumerate().map(rough).collect();
         let moving = element(&masters, Basis::Linear)
             .with_frame(Frame::average_plane(&masters, [0.0, 0.0, 1.0]).unwrap());
-        let held = moving.with_frame(moving.frame.frozen());
+        let held = moving.with_frame(moving.frame.held());
         for mode in [Mode::Value, Mode::Gradient, Mode::Hessian] {
             let coefficients = |element| backend.coefficients(element, mode).unwrap();
             assert_eq!(coefficients(&moving), coefficients(&held));

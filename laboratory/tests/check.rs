@@ -64,7 +64,7 @@ fn the_json_has_the_same_figures() {
             (Some(block.subject.output.name()), Some(block.name))
         );
         let frame = match block.subject.frame {
-            FrameRule::Frozen => "frozen",
+            FrameRule::Held => "held",
             FrameRule::CoMoving => "co-moving",
             FrameRule::Material => "material",
         };

@@ -72,7 +72,7 @@ fn every_output_and_mode_of_either_basis_is_printed() {
 fn a_formula_of_ones_own_changes_the_kernel() {
     let formula = "exp(-r)*(1 + r)*(1 - r^2)^2";
     let source = printed(&[&GAP[..], &["--weight", formula]].concat());
-    assert!(source.contains(&format!("weight {formula}, frozen frame: operations")));
+    assert!(source.contains(&format!("weight {formula}, held frame: operations")));
     assert!(source.contains(".exp()"));
     assert!(!printed(&GAP).contains(".exp()"));
     // The paper's weight is what no formula means.
@@ -117,7 +117,7 @@ fn the_counts_of_all_kernels_are_two_tables() {
     let facets: Vec<&str> = table.lines().rev().take(2).collect();
     assert!(facets[1].starts_with("| triangle ") && facets[0].starts_with("| quadrilateral "), "{table}");
     let rows: Vec<&str> =
-        table.lines().filter(|line| line.contains("| gap          | hessian  | frozen ")).collect();
+        table.lines().filter(|line| line.contains("| gap          | hessian  | held ")).collect();
     assert_eq!(rows.len(), 2);
     let totals: Vec<&str> = rows[0].split('|').map(str::trim).collect();
     assert_eq!(totals[1], "quadratic");
@@ -172,7 +172,7 @@ fn the_book_has_the_counts_of_today() {
     let tables =
         ["cubic", "cubic-interpolating"].map(|weight| printed(&["emit", "--counts", "--weight", weight]));
     for (label, weight, output, mode, frame) in [
-        ("gap: g, foot, ν, N, M", "cubic", "gap", "hessian", "frozen"),
+        ("gap: g, foot, ν, N, M", "cubic", "gap", "hessian", "held"),
         ("the same, frame moving with the average plane", "cubic", "gap", "hessian", "co-moving"),
         (
             "the same, domains in the first configuration, as in interfaces",
@@ -181,7 +181,7 @@ fn the_book_has_the_counts_of_today() {
             "hessian",
             "material",
         ),
-        ("the same, interpolating weight, frame held", "cubic-interpolating", "gap", "hessian", "frozen"),
+        ("the same, interpolating weight, frame held", "cubic-interpolating", "gap", "hessian", "held"),
         (
             "the same, interpolating weight, frame moving",
             "cubic-interpolating",
@@ -189,9 +189,9 @@ fn the_book_has_the_counts_of_today() {
             "hessian",
             "co-moving",
         ),
-        ("gap and gradient only", "cubic", "gap", "gradient", "frozen"),
-        ("surface: f, f_l, f_lm, ∇f, T_l, H_f", "cubic", "surface", "hessian", "frozen"),
-        ("coefficients: α, ∂α/∂x, ∂²α/∂x² (six Hessians)", "cubic", "coefficients", "hessian", "frozen"),
+        ("gap and gradient only", "cubic", "gap", "gradient", "held"),
+        ("surface: f, f_l, f_lm, ∇f, T_l, H_f", "cubic", "surface", "hessian", "held"),
+        ("coefficients: α, ∂α/∂x, ∂²α/∂x² (six Hessians)", "cubic", "coefficients", "hessian", "held"),
     ] {
         let all = &tables[usize::from(weight != "cubic")];
         let wanted = ["quadratic", output, mode, frame];

@@ -95,7 +95,7 @@ fn by_rust(rule: FrameRule, inputs: &ElementInputs<'_>) -> Vec<f64> {
 #[test]
 fn a_gap_in_c_is_that_of_the_product() {
     const AXES: [[f64; 3]; 3] = [[0.8, 0.6, 0.0], [-0.6, 0.8, 0.0], [0.0, 0.0, 1.0]];
-    let rules = [(FrameRule::Frozen, "gap", "frozen"), (FrameRule::Material, "gap_material", "material")];
+    let rules = [(FrameRule::Held, "gap", "held"), (FrameRule::Material, "gap_material", "material")];
     for (rule, name, argument) in rules {
         let header = header(&[
             "--output",

@@ -7,7 +7,7 @@ use crate::runs::run_with_input;
 
 #[test]
 fn both_backends_agree_on_either_frame() {
-    let frames = ["frozen", "co-moving"];
+    let frames = ["held", "co-moving"];
     let weights = ["cubic", "cubic-interpolating", "wendland-c2"];
     let mut gaps = Vec::new();
     for (derivative, weight) in frames.into_iter().flat_map(|frame| weights.map(|weight| (frame, weight))) {

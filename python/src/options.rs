@@ -34,7 +34,7 @@ pub fn basis(py: Python<'_>, name: &str) -> PyResult<Basis> {
 }
 
 pub fn frame_derivative(py: Python<'_>, name: &str) -> PyResult<FrameDerivative> {
-    let rules = [("co-moving", FrameDerivative::CoMoving), ("frozen", FrameDerivative::Frozen)];
+    let rules = [("co-moving", FrameDerivative::CoMoving), ("held", FrameDerivative::Held)];
     named(py, "frame_derivative", name, &rules)
 }
 

@@ -15,8 +15,7 @@ use diffuse_contact::{
 
 fn main() -> Result<(), Box<dyn Error>> {
     for weight in Weight::ALL {
-        for (derivative, name) in
-            [(FrameDerivative::CoMoving, "co-moving"), (FrameDerivative::Frozen, "frozen")]
+        for (derivative, name) in [(FrameDerivative::CoMoving, "co-moving"), (FrameDerivative::Held, "held")]
         {
             batch(
                 &format!("batch/{}/quadratic/{name}/13", weight.name()),
@@ -34,10 +33,10 @@ fn main() -> Result<(), Box<dyn Error>> {
     interface("interface/symmetric", InterfaceOptions::default().with_areas(true), &planes)?;
     let layers = ContactElement::diffuse(SearchOptions::default());
     interface("interface/layers", InterfaceOptions::default().with_element(layers).with_areas(true), &[])?;
-    let frozen = ContactElement::diffuse(SearchOptions::nearest())
+    let held = ContactElement::diffuse(SearchOptions::nearest())
         .with_weight(Weight::CubicInterpolating)
-        .with_frame(FrameDerivative::Frozen);
-    interface("interface/frozen", InterfaceOptions::default().with_element(frozen).with_areas(true), &[])?;
+        .with_frame(FrameDerivative::Held);
+    interface("interface/held", InterfaceOptions::default().with_element(held).with_areas(true), &[])?;
     let facets = InterfaceOptions::node_to_facet().with_areas(true);
     interface("interface/node-to-facet", facets, &[])?;
     adaptive_tangents();

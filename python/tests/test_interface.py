@@ -336,9 +336,9 @@ def test_domains_of_influence_are_those_within_reach(scene):
 
 def test_a_held_frame_needs_another_rule(scene):
     with pytest.raises(dc.InterfaceError) as caught:
-        scene.interface(frame_derivative="frozen")
+        scene.interface(frame_derivative="held")
     assert caught.value.code == "held-frame"
-    assert scene.evaluated(frame_derivative="frozen", rule="hull-layers").contacts.is_contact.all()
+    assert scene.evaluated(frame_derivative="held", rule="hull-layers").contacts.is_contact.all()
 
 
 def test_beyond_planes_of_symmetry_the_surface_goes_on(scene):

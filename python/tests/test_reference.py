@@ -14,7 +14,7 @@ ELEMENTS = {
     "interface/diffuse": {},
     "interface/symmetric": {"symmetry": [([0, 0, 0], [0, 1, 0]), ([0, 0, 0], [1, 0, 0])]},
     "interface/layers": {"rule": "hull-layers"},
-    "interface/frozen": {"weight": "cubic-interpolating", "frame_derivative": "frozen", "rule": "nearest"},
+    "interface/held": {"weight": "cubic-interpolating", "frame_derivative": "held", "rule": "nearest"},
     "interface/node-to-facet": {"element": "node-to-facet"},
 }
 

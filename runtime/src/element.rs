@@ -170,7 +170,7 @@ impl<'a> Element<'a> {
                 if let Some(index) = nodes.iter().position(|node| !is_finite(node)) {
                     return Err(ElementError::NonFiniteInput { what: "domain", index });
                 }
-                if self.frame.derivative == FrameDerivative::Frozen {
+                if self.frame.derivative == FrameDerivative::Held {
                     return Err(ElementError::HeldFrame);
                 }
             }

@@ -10,7 +10,7 @@ use crate::{ElementError, Point};
 pub enum FrameDerivative {
     /// It is held constant, as in the paper: conserves linear, but not angular momentum.
     #[default]
-    Frozen,
+    Held,
     /// It is the average plane of the master nodes and moves with them: N and M are the exact derivatives of the gap,
     /// angular momentum is conserved, and Newton's method converges quadratically.
     CoMoving,
@@ -60,7 +60,7 @@ impl Frame {
         normal: Point,
         outward: Option<Point>,
     ) -> Result<Self, ElementError> {
-        let frame = Self { origin, t1, t2, normal, derivative: FrameDerivative::Frozen, reach: 0.0 };
+        let frame = Self { origin, t1, t2, normal, derivative: FrameDerivative::Held, reach: 0.0 };
         frame.check()?;
         let normal = match outward {
             Some(outward) => oriented(Vector3::from(normal), outward)?.into(),
@@ -91,7 +91,7 @@ impl Frame {
     }
 
     /// Average plane of the master nodes: n̂ minimises Σ (n·(x_i − x̄))², oriented by `outward`. The frame moves with the
-    /// nodes while differentiating; [`frozen`](Self::frozen) holds it.
+    /// nodes while differentiating; [`held`](Self::held) holds it.
     ///
     /// # Errors
     /// [`ElementError::NoAveragePlane`] if the nodes lie on a line or are as thick as wide,
@@ -108,7 +108,7 @@ impl Frame {
     /// Moving average plane of the master nodes: n̂ minimises Σ ω_k (n·(x_k − x̄))² with ω_k = ω(reach · |x_k − x^c| / R_k) and x̄ the
     /// mean so weighted (`docs/equations.md`, \[T14\]), oriented by `outward`. A node joins with weight zero, so the plane is a
     /// continuous function of all positions. The frame moves with the nodes while differentiating;
-    /// [`frozen`](Self::frozen) holds it.
+    /// [`held`](Self::held) holds it.
     ///
     /// `radii`: R_k of each master. `fitting_weight`: ω, see [`Weight::fitting`](crate::Weight::fitting). `reach`: 1, less where the
     /// slave is far from the nodes.
@@ -200,8 +200,8 @@ impl Frame {
 
     /// The same frame, held while differentiating.
     #[must_use]
-    pub const fn frozen(self) -> Self {
-        Self { derivative: FrameDerivative::Frozen, ..self }
+    pub const fn held(self) -> Self {
+        Self { derivative: FrameDerivative::Held, ..self }
     }
 
     /// Checks that a co-moving frame is the average plane of the nodes it moves with, given with their weights; a frame that is

@@ -54,7 +54,7 @@ pub(crate) fn validate<K: KernelSet>(element: &Element<'_>) -> Result<(), Elemen
 
 pub(crate) const fn frame_rule(derivative: FrameDerivative, domains: &Domains<'_>) -> FrameRule {
     match (derivative, domains) {
-        (FrameDerivative::Frozen, _) => FrameRule::Frozen,
+        (FrameDerivative::Held, _) => FrameRule::Held,
         (FrameDerivative::CoMoving, Domains::Material(_)) => FrameRule::Material,
         (FrameDerivative::CoMoving, Domains::Shared | Domains::Each(_)) => FrameRule::CoMoving,
     }

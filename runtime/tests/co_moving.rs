@@ -85,8 +85,8 @@ impl Case {
         Element::new(self.nodes[0], &self.nodes[1..], self.frame, self.radius).with_basis(self.basis)
     }
 
-    fn frozen(&self) -> Self {
-        Self { frame: self.frame.frozen(), ..self.clone() }
+    fn held(&self) -> Self {
+        Self { frame: self.frame.held(), ..self.clone() }
     }
 
     fn freedoms(&self) -> usize {
@@ -280,11 +280,11 @@ fn the_generated_kernels_agree_far_from_the_origin() {
 #[test]
 fn a_held_frame_has_the_same_gap_and_other_derivatives() {
     for case in few_cases() {
-        let frozen = case.frozen();
+        let held = case.held();
         assert_eq!(case.frame.derivative, FrameDerivative::CoMoving);
-        assert_eq!(frozen.frame.derivative, FrameDerivative::Frozen);
+        assert_eq!(held.frame.derivative, FrameDerivative::Held);
         for backend in [&Ad as &dyn Backend, &Generated] {
-            let (moving, held) = (hessian(backend, &case), hessian(backend, &frozen));
+            let (moving, held) = (hessian(backend, &case), hessian(backend, &held));
             assert_below((moving.gap - held.gap).abs() / case.radius, 1e-15, "g");
             // Two kernels: the same but for rounding.
             assert_below(difference(&moving.foot, &held.foot) / case.radius, 1e-15, "foot");
@@ -312,12 +312,12 @@ fn a_held_frame_has_the_same_gap_and_other_derivatives() {
 #[test]
 fn coefficients_and_surfaces_hold_the_frame() {
     let case = Case::scattered(9, Basis::Quadratic, 1.3, 1.0, 7);
-    let frozen = case.frozen();
+    let held = case.held();
     for backend in [&Ad as &dyn Backend, &Generated] {
         let coefficients = |case: &Case| backend.coefficients(&case.element(), Mode::Hessian).unwrap();
-        assert_eq!(coefficients(&case), coefficients(&frozen));
+        assert_eq!(coefficients(&case), coefficients(&held));
         let surface = |case: &Case| backend.surface(&case.element(), [0.1, 0.2], Mode::Hessian).unwrap();
-        assert_eq!(surface(&case), surface(&frozen));
+        assert_eq!(surface(&case), surface(&held));
     }
 }
 
@@ -328,7 +328,7 @@ fn each_mode_contains_the_ones_before_it() {
         [Mode::Value, Mode::Gradient, Mode::Hessian].map(|mode| Ad.gap(&case.element(), mode).unwrap());
     assert!(value.gradient.is_empty() && value.hessian.size() == 0 && gradient.hessian.size() == 0);
     assert_eq!((value.gap, value.foot, value.normal), (hessian.gap, hessian.foot, hessian.normal));
-    assert_eq!(value.gap, Ad.gap(&case.frozen().element(), Mode::Value).unwrap().gap);
+    assert_eq!(value.gap, Ad.gap(&case.held().element(), Mode::Value).unwrap().gap);
     assert_eq!(gradient.gradient, hessian.gradient);
 }
 
@@ -401,7 +401,7 @@ fn a_frame_that_is_not_the_average_plane_is_refused() {
             let ElementError::NotAveragePlane { angle } = error else { panic!("{error:?}") };
             assert!(angle > 1e-4 && angle < 1e-2, "{angle:e}");
             assert!(backend.gap(&tilted(1e-9).element(), mode).is_ok());
-            assert!(backend.gap(&tilted(1e-3).frozen().element(), mode).is_ok());
+            assert!(backend.gap(&tilted(1e-3).held().element(), mode).is_ok());
         }
     }
 }

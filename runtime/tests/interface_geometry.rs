@@ -10,8 +10,8 @@ use diffuse_contact::surface::Facet;
 use diffuse_contact::{FrameDerivative, Mode, Point, Weight};
 use nalgebra::{Rotation3, Vector3};
 
-fn frozen() -> InterfaceOptions {
-    let (weight, frame) = (Weight::Cubic, FrameDerivative::Frozen);
+fn held() -> InterfaceOptions {
+    let (weight, frame) = (Weight::Cubic, FrameDerivative::Held);
     let element = ContactElement::diffuse(SearchOptions::default()).with_weight(weight).with_frame(frame);
     InterfaceOptions::default().with_element(element)
 }
@@ -27,7 +27,7 @@ fn over_a_plane_the_gap_is_the_height() {
     let slaves: Vec<Point> = (0..300)
         .map(|_| [0.4 + 9.2 * random.next(), 0.4 + 7.2 * random.next(), 1.5 * random.signed()])
         .collect();
-    for options in [InterfaceOptions::default(), frozen()] {
+    for options in [InterfaceOptions::default(), held()] {
         let mut scene = plane.paired(&slaves, options);
         let contacts = scene.interface.evaluate(Mode::Gradient).unwrap();
         assert_eq!(contacts.len(), 300);
@@ -167,7 +167,7 @@ fn a_rigid_motion_of_everything_changes_nothing() {
     let (mesh, _) = curved("torus", 6);
     let mut random = Uniform(11);
     let slaves: Vec<Point> = (0..100).map(|_| around("torus", &mut random)).collect();
-    for options in [InterfaceOptions::default(), frozen()] {
+    for options in [InterfaceOptions::default(), held()] {
         let mut scene = mesh.paired(&slaves, options);
         let first = scene.interface.evaluate(Mode::Gradient).unwrap().clone();
         let at_rest = scene.positions.clone();
@@ -176,7 +176,7 @@ fn a_rigid_motion_of_everything_changes_nothing() {
         for rotation in [upside_down, random.rotation(), random.rotation()] {
             let shift = Vector3::new(3.0, -40.0, 0.7);
             scene.positions = at_rest.iter().map(|&x| (rotation * Vector3::from(x) + shift).into()).collect();
-            if options == frozen() {
+            if options == held() {
                 let report = scene.refresh();
                 assert_eq!((report.renewed, report.changed), (100, 0), "{report:?}");
             } else {

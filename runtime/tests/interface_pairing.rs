@@ -155,7 +155,7 @@ fn a_refresh_in_place_pairs_everybody_as_before() {
 #[test]
 fn a_held_frame_is_that_of_the_last_refresh() {
     let search = SearchOptions::default();
-    let element = ContactElement::diffuse(search).with_frame(FrameDerivative::Frozen);
+    let element = ContactElement::diffuse(search).with_frame(FrameDerivative::Held);
     let options = hull_layers().with_element(element);
     let mut scene = floor().paired(&over_floor(1), options);
     let before = gaps(&mut scene)[0].unwrap();

@@ -70,7 +70,7 @@ fn results_do_not_depend_on_the_number_of_threads() {
         InterfaceOptions::default()
             .with_element(ContactElement::diffuse(search).with_weight(weight).with_frame(frame))
     };
-    let held = with(Weight::Cubic, FrameDerivative::Frozen, search);
+    let held = with(Weight::Cubic, FrameDerivative::Held, search);
     let interpolating = with(Weight::CubicInterpolating, FrameDerivative::CoMoving, SearchOptions::default());
     for options in [InterfaceOptions::default(), held, interpolating, InterfaceOptions::node_to_facet()] {
         let one = everything(1, options);
@@ -372,12 +372,12 @@ proptest! {
     fn garbage_positions_end_in_a_number_or_a_reason(
         garbage in prop::collection::vec(point(), 45),
         share in 0.0..1.0,
-        frozen in any::<bool>(),
+        held in any::<bool>(),
         facets in any::<bool>(),
         feature_angle in prop_oneof![Just(45.0), Just(180.0)],
         weight in prop::sample::select(&Weight::ALL[..]),
     ) {
-        let frame = if frozen { FrameDerivative::Frozen } else { FrameDerivative::CoMoving };
+        let frame = if held { FrameDerivative::Held } else { FrameDerivative::CoMoving };
         let element = if facets {
             ContactElement::NodeToFacet
         } else {

@@ -29,14 +29,14 @@ pub(crate) fn variants() -> [InterfaceOptions; 4] {
         // Domains of influence have frames that move.
         let search = match frame {
             FrameDerivative::CoMoving => SearchOptions::domains(),
-            FrameDerivative::Frozen => SearchOptions::default(),
+            FrameDerivative::Held => SearchOptions::default(),
         };
         base.with_element(ContactElement::diffuse(search).with_weight(weight).with_frame(frame))
     };
     [
         with(Weight::Cubic, FrameDerivative::CoMoving),
         with(Weight::CubicInterpolating, FrameDerivative::CoMoving),
-        with(Weight::WendlandC2, FrameDerivative::Frozen),
+        with(Weight::WendlandC2, FrameDerivative::Held),
         InterfaceOptions::node_to_facet().with_distance_limit(Some(5.0)),
     ]
 }

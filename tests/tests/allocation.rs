@@ -66,7 +66,7 @@ fn of_batch(set: &GapKernels, isa: Isa, kernel: Kernel, case: &Case, workspace: 
 fn kernels_do_not_allocate() {
     // That allocations are seen at all. The first element is the largest.
     let (cubic, isa) = (&GAP_KERNELS[0], instructions().last().unwrap());
-    let full = (Basis::Quadratic, FrameRule::Frozen, Mode::Hessian);
+    let full = (Basis::Quadratic, FrameRule::Held, Mode::Hessian);
     assert!(of_single(cubic, isa, full, &Case::random(100, Basis::Quadratic, 1)) > 0);
     // Number by number a batch takes the memory of single elements.
     let first = of_batch(cubic, isa, full, &Case::random(9, Basis::Quadratic, 1), &mut Workspace::default());
@@ -84,7 +84,7 @@ fn kernels_do_not_allocate() {
             for basis in [Basis::Quadratic, Basis::Linear] {
                 for n in basis.size()..=24 {
                     let case = Case::random(n, basis, n as u64).co_moving();
-                    for frame in [FrameRule::Frozen, FrameRule::CoMoving] {
+                    for frame in [FrameRule::Held, FrameRule::CoMoving] {
                         for mode in [Mode::Value, Mode::Gradient, Mode::Hessian] {
                             let kernel = (basis, frame, mode);
                             let single = of_single(set, isa, kernel, &case);

@@ -107,7 +107,7 @@ fn a_single_kernel_is_a_rust_file() {
     for (output, mode) in
         [(Output::Gap, Mode::Hessian), (Output::Surface, Mode::Gradient), (Output::Coefficients, Mode::Value)]
     {
-        let (basis, frame) = (Basis::Quadratic, FrameRule::Frozen);
+        let (basis, frame) = (Basis::Quadratic, FrameRule::Held);
         let spec = KernelSpec { output, mode, basis, weight: Weight::cubic(), frame };
         let support = syn::parse_str("diffuse_contact_kernels::support").unwrap();
         let (text, kernel) = emit_single(&spec, &support);
@@ -198,10 +198,10 @@ fn statements(block: &syn::Block) -> usize {
 }
 
 /// The kernels of the cubic weight that hold the frame: operations for nine nodes, and once per pair.
-fn frozen_operations(basis: Basis, output: Output, mode: Mode) -> (usize, usize) {
+fn held_operations(basis: Basis, output: Output, mode: Mode) -> (usize, usize) {
     let kernel = all_kernels().iter().find(|kernel| {
         let spec = &kernel.spec;
-        (spec.basis, spec.output, spec.mode, spec.frame) == (basis, output, mode, FrameRule::Frozen)
+        (spec.basis, spec.output, spec.mode, spec.frame) == (basis, output, mode, FrameRule::Held)
             && spec.weight.name() == "cubic"
     });
     let counts = kernel.unwrap().counts;
@@ -210,7 +210,7 @@ fn frozen_operations(basis: Basis, output: Output, mode: Mode) -> (usize, usize)
 
 #[test]
 fn the_hessian_of_the_gap_takes_few_operations() {
-    let (operations, _) = frozen_operations(Basis::Quadratic, Output::Gap, Mode::Hessian);
+    let (operations, _) = held_operations(Basis::Quadratic, Output::Gap, Mode::Hessian);
     println!("quadratic gap Hessian, n = 9: {operations} operations");
     assert!(operations <= MOST_OPERATIONS, "{operations}");
 }
@@ -236,7 +236,7 @@ fn facets_take_few_operations() {
 fn lower_modes_take_fewer_operations() {
     for basis in Basis::ALL {
         for output in Output::ALL {
-            let [value, gradient, hessian] = Mode::ALL.map(|mode| frozen_operations(basis, output, mode));
+            let [value, gradient, hessian] = Mode::ALL.map(|mode| held_operations(basis, output, mode));
             assert!(value.0 < gradient.0 && 2 * gradient.0 < hessian.0, "{value:?} {gradient:?} {hessian:?}");
             assert!(value.1 == 0 && gradient.1 == 0 && hessian.1 > 0);
         }

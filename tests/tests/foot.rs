@@ -80,7 +80,7 @@ fn weights_and_derivatives_are_what_rigid_motions_say() {
             .map(|k| (0..3).map(|row| normal[row] * at_foot.normal[row * freedoms + k]).sum())
             .collect();
         assert!(largest(&unit) <= TOLERANCE * largest(&at_foot.normal), "{what}");
-        if frame != FrameRule::Frozen {
+        if frame != FrameRule::Held {
             assert_close(&along(&at_foot.normal, &rotation), &turned(*normal), 10.0 * TOLERANCE, &what);
             assert_close(&along(&at_foot.foot, &rotation), &turned(*foot), 10.0 * TOLERANCE, &what);
         }

@@ -21,7 +21,7 @@ const TOLERANCE: f64 = 1e-12;
 /// Sums that vanish, relative to the largest entry.
 const ROUNDING: f64 = 1e-13;
 
-const FRAMES: [FrameRule; 3] = [FrameRule::Frozen, FrameRule::CoMoving, FrameRule::Material];
+const FRAMES: [FrameRule; 3] = [FrameRule::Held, FrameRule::CoMoving, FrameRule::Material];
 const WEIGHTS: [Weight; 3] = [Weight::Cubic, Weight::CubicInterpolating, Weight::WendlandC2];
 
 /// An element with an anchor half a radius away at most.
@@ -34,7 +34,7 @@ impl Slipped {
     fn random(n: usize, basis: Basis, weight: Weight, frame: FrameRule, seed: u64) -> Self {
         let case = Case::random(n, basis, seed).with_weight(weight);
         let case = match frame {
-            FrameRule::Frozen => case,
+            FrameRule::Held => case,
             FrameRule::CoMoving => case.co_moving(),
             FrameRule::Material => case.material(),
         };
@@ -253,7 +253,7 @@ fn the_tangent_of_friction_is_its_force_differentiated() {
             let size = tangent.iter().map(|row| largest(row)).fold(0.0, f64::max);
             let count = slipped.points().len();
             // A frame that moves is the plane of where the nodes are, but the anchor does not turn it.
-            let held = slipped.case.element().frame.derivative == FrameDerivative::Frozen;
+            let held = slipped.case.element().frame.derivative == FrameDerivative::Held;
             for point in if held { 0 } else { count - 1 }..count {
                 for axis in 0..3 {
                     let moved = |step: f64| {

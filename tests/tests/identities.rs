@@ -81,7 +81,7 @@ proptest! {
     #[test]
     fn turning_all_nodes_about_the_frame_normal_changes_nothing(case in cases()) {
         // The fit does not depend on the directions of t1 and t2: Σ x_i × N_i has no component along n̂ although
-        // the frame is frozen.
+        // the frame is held.
         let gap = gap(&case);
         let nodes = std::iter::once(&case.slave).chain(&case.masters);
         let moment = nodes.enumerate().map(|(i, x)| {

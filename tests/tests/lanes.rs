@@ -23,7 +23,7 @@ use proptest::prelude::*;
 const TOLERANCE: f64 = 1e-12;
 
 pub(crate) const BASES: [Basis; 2] = [Basis::Quadratic, Basis::Linear];
-pub(crate) const FRAMES: [FrameRule; 3] = [FrameRule::Frozen, FrameRule::CoMoving, FrameRule::Material];
+pub(crate) const FRAMES: [FrameRule; 3] = [FrameRule::Held, FrameRule::CoMoving, FrameRule::Material];
 const MODES: [Mode; 3] = [Mode::Value, Mode::Gradient, Mode::Hessian];
 /// Around multiples of 2, 4 and 8, and larger ones.
 const COUNTS: [usize; 18] = [3, 4, 5, 6, 7, 8, 9, 11, 12, 13, 15, 16, 17, 20, 23, 24, 25, 30];
@@ -40,7 +40,7 @@ fn kernels() -> impl Iterator<Item = (GapKernels, Kernel)> {
 /// In a frame that the rule allows.
 pub(crate) fn with_frame(case: Case, frame: FrameRule) -> Case {
     match frame {
-        FrameRule::Frozen => case,
+        FrameRule::Held => case,
         FrameRule::CoMoving => case.co_moving(),
         FrameRule::Material => case.material(),
     }
@@ -162,7 +162,7 @@ fn statuses_do_not_depend_on_shape_and_instructions() {
             for (case, is_expected) in bad(kernel.0, n) {
                 let expected = set.single(Isa::SCALAR, kernel, &case, 0);
                 // Not all of these frames are average planes, which a frame that moves has to be.
-                let is_expected = kernel.1 != FrameRule::Frozen || is_expected(&expected.status());
+                let is_expected = kernel.1 != FrameRule::Held || is_expected(&expected.status());
                 assert!(is_expected, "{} {kernel:?} {expected:?}", set.weight);
                 for isa in instructions() {
                     let single = set.single(isa, kernel, &case, 3);
@@ -188,7 +188,7 @@ fn statuses_do_not_depend_on_shape_and_instructions() {
 #[test]
 fn no_result_on_and_beyond_a_centre_of_curvature() {
     let bowl = Quadric([0.0, 0.0, 0.0, 0.4, 0.0, 0.4]);
-    let kernel = (Basis::Quadratic, FrameRule::Frozen, Mode::Hessian);
+    let kernel = (Basis::Quadratic, FrameRule::Held, Mode::Hessian);
     for isa in instructions() {
         for set in GAP_KERNELS {
             for n in [9, 12, 17] {
@@ -271,7 +271,7 @@ fn batches_of_any_size_are_their_elements_wherever_these_are() {
     let mut workspace = Workspace::default();
     for isa in instructions() {
         for (set, kernel) in [
-            (GAP_KERNELS[0], (Basis::Quadratic, FrameRule::Frozen, Mode::Hessian)),
+            (GAP_KERNELS[0], (Basis::Quadratic, FrameRule::Held, Mode::Hessian)),
             (GAP_KERNELS[1], (Basis::Linear, FrameRule::CoMoving, Mode::Gradient)),
         ] {
             let cases = mixture(&set, kernel, 6, 2 * isa.width() + 1);
@@ -293,7 +293,7 @@ fn lanes_converge_each_in_its_own_time() {
     let bowl = Quadric([0.1, 0.5, -0.3, 0.5, 0.4, -0.3]);
     let curved = Case::on_quadric(&bowl, [0.2, -0.1], 0.6, 9, 2);
     let cases = [&flat, &Case::random(9, Basis::Quadratic, 1), &curved];
-    let kernel = (Basis::Quadratic, FrameRule::Frozen, Mode::Hessian);
+    let kernel = (Basis::Quadratic, FrameRule::Held, Mode::Hessian);
     for isa in instructions() {
         let found = GAP_KERNELS[0].batch(isa, kernel, &cases, &mut Workspace::default(), 0);
         assert!(found.iter().all(|found| found.status() == Status::Ok));
@@ -310,7 +310,7 @@ fn lanes_converge_each_in_its_own_time() {
 
 #[test]
 fn masters_may_be_named_by_their_places() {
-    let kernel = (Basis::Quadratic, FrameRule::Frozen, Mode::Hessian);
+    let kernel = (Basis::Quadratic, FrameRule::Held, Mode::Hessian);
     let case = Case::random(11, Basis::Quadratic, 3);
     // All positions, backwards and with others in between.
     let elsewhere = [f64::NAN; 3];
@@ -395,7 +395,7 @@ fn slices_that_are_too_short_are_a_panic() {
 
 #[test]
 fn elements_of_different_numbers_of_nodes_are_a_panic() {
-    let kernel = (Basis::Quadratic, FrameRule::Frozen, Mode::Value);
+    let kernel = (Basis::Quadratic, FrameRule::Held, Mode::Value);
     let cases = [7, 7, 8].map(|n| Case::random(n, Basis::Quadratic, 1));
     for isa in instructions() {
         for order in [[0, 1, 2], [2, 0, 1]] {

@@ -127,7 +127,7 @@ fn products_are_those_of_automatic_differentiation() {
 /// An element without a result has no factors: the checksum says so although nothing is multiplied.
 #[test]
 fn factors_that_are_not_finite_are_no_result() {
-    let kernel = (Basis::Quadratic, FrameRule::Frozen, Mode::Hessian);
+    let kernel = (Basis::Quadratic, FrameRule::Held, Mode::Hessian);
     for set in GAP_KERNELS {
         for n in [9, 12] {
             let mut case = with_frame(Case::random(n, kernel.0, 5), kernel.1);

@@ -147,7 +147,7 @@ fn a_hessian_that_overflows_is_not_ok() {
         };
         for set in GAP_KERNELS {
             for basis in [Basis::Quadratic, Basis::Linear] {
-                let kernel = (basis, FrameRule::Frozen, Mode::Hessian);
+                let kernel = (basis, FrameRule::Held, Mode::Hessian);
                 for n in 7..=12 {
                     let case = Case::random(n, basis, n as u64);
                     let cases: Vec<Case> =
@@ -510,7 +510,7 @@ proptest! {
 
 /// Smallest relative pivot of an element's fit.
 fn pivot_ratio(case: &Case) -> f64 {
-    let kernel = (case.basis, FrameRule::Frozen, Mode::Value);
+    let kernel = (case.basis, FrameRule::Held, Mode::Value);
     Cubic::gap(Isa::best(), kernel, &case.inputs(), &mut [], &mut []).pivot_ratio
 }
 

@@ -31,7 +31,7 @@ fn every_count(weight: Weight, basis: Basis, co_moving: bool) {
 }
 
 #[test]
-fn wendland_frozen() {
+fn wendland_held() {
     every_count(Weight::WendlandC2, Basis::Quadratic, false);
     every_count(Weight::WendlandC2, Basis::Linear, false);
 }
@@ -43,7 +43,7 @@ fn wendland_co_moving() {
 }
 
 #[test]
-fn interpolating_frozen() {
+fn interpolating_held() {
     every_count(Weight::CubicInterpolating, Basis::Quadratic, false);
     every_count(Weight::CubicInterpolating, Basis::Linear, false);
 }
@@ -137,7 +137,7 @@ fn any_node_can_be_the_pole() {
             let inputs = ElementInputs { pole, ..case.inputs() };
             let freedoms = element.degrees_of_freedom();
             let (mut gradient, mut hessian) = (vec![0.0; freedoms], vec![0.0; freedoms * (freedoms + 1) / 2]);
-            let kernel = (case.basis, FrameRule::Frozen, Mode::Hessian);
+            let kernel = (case.basis, FrameRule::Held, Mode::Hessian);
             let values = CubicInterpolating::gap(Isa::best(), kernel, &inputs, &mut gradient, &mut hessian);
             assert_eq!(values.status(), Status::Ok);
             assert!((values.gap - expected.gap).abs() < 1e-13);
@@ -160,7 +160,7 @@ fn the_slave_on_any_node_with_all_instructions() {
             let evaluate = |isa: Isa| {
                 let (mut gradient, mut hessian) =
                     (vec![f64::NAN; freedoms], vec![f64::NAN; freedoms * (freedoms + 1) / 2]);
-                let kernel = (case.basis, FrameRule::Frozen, Mode::Hessian);
+                let kernel = (case.basis, FrameRule::Held, Mode::Hessian);
                 let values = CubicInterpolating::gap(isa, kernel, &inputs, &mut gradient, &mut hessian);
                 (values, gradient, hessian)
             };

@@ -1,6 +1,6 @@
 //! The gap element written by hand: the opponent that counts.
 //!
-//! Quadratic basis, cubic weight, frozen frame (Chamoret et al. 2008, eqs. 13, 14, 19, 22, 32, 42), the number of
+//! Quadratic basis, cubic weight, held frame (Chamoret et al. 2008, eqs. 13, 14, 19, 22, 32, 42), the number of
 //! nodes known at compile time, no allocation. What somebody who knows the element and wants it fast would write:
 //!
 //! * weights with closed-form derivatives, the 15 different moments only, an unrolled 6 × 6 Cholesky factorisation;
@@ -76,7 +76,7 @@ pub fn prepare(elements: &Elements) -> Option<Box<dyn Run + '_>> {
 fn boxed<const N: usize, const C: usize>(elements: &Elements) -> Box<dyn Run + '_> {
     let mut by_hand = ByHand::<N, C>::default();
     Box::new(OneByOne::new(elements, move |elements, index, gradient, hessian| {
-        let point = by_hand.gap(&elements.frozen(index), gradient, hessian)?;
+        let point = by_hand.gap(&elements.held(index), gradient, hessian)?;
         // Foot and normal count as used, too.
         Some(std::hint::black_box(point).gap)
     }))
@@ -356,7 +356,7 @@ mod tests {
         let [mut n, mut expected_n] = [vec![f64::NAN; C], vec![0.0; C]];
         let [mut m, mut expected_m] = [vec![f64::NAN; C * (C + 1) / 2], vec![0.0; C * (C + 1) / 2]];
         for index in 0..elements.len() {
-            let element = elements.frozen(index);
+            let element = elements.held(index);
             let found = by_hand.gap(&element, &mut n, &mut m).unwrap();
             let expected =
                 Generated.gap_into(&element, Mode::Hessian, &mut expected_n, &mut expected_m).unwrap();

@@ -145,7 +145,7 @@ fn single_elements_and_batches_give_what_the_runtime_gives() {
     let (n, element_count) = (own.len(), 3);
     let freedoms = 3 * (n + 1);
     let packed = freedoms * (freedoms + 1) / 2;
-    for (frame, derivative) in [(0, FrameDerivative::CoMoving), (1, FrameDerivative::Frozen)] {
+    for (frame, derivative) in [(0, FrameDerivative::CoMoving), (1, FrameDerivative::Held)] {
         let element = dc_element {
             size: size_of::<dc_element>(),
             basis: pairing.basis,

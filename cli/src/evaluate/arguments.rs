@@ -15,7 +15,7 @@ const JSON_FORMATS: &str = r#"IN.json:
              {"origin": [x, y, z], "t1": [x, y, z], "t2": [x, y, z], "normal": [x, y, z]}
     "frame_derivative": "co-moving", the average plane moves with the nodes while differentiating: N and M are
                                      exact; the default, but not for a given frame, which cannot move
-                        "frozen",    the frame is held; the default for a given frame
+                        "held",    the frame is held; the default for a given frame
     "support_radius": R,             default 1.25 x the farthest in-plane distance of a master; held while
                                      differentiating: give it explicitly to compare with differences
     "support_radii": [R_1, ...],     one for each master: radii of their own domains of influence; the average plane

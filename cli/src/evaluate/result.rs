@@ -82,14 +82,14 @@ struct FrictionOutput {
 #[derive(Debug, Serialize)]
 #[serde(rename_all = "kebab-case")]
 enum FrameDerivativeOutput {
-    Frozen,
+    Held,
     CoMoving,
 }
 
 impl From<FrameDerivative> for FrameDerivativeOutput {
     fn from(derivative: FrameDerivative) -> Self {
         match derivative {
-            FrameDerivative::Frozen => Self::Frozen,
+            FrameDerivative::Held => Self::Held,
             FrameDerivative::CoMoving => Self::CoMoving,
         }
     }
@@ -115,7 +115,7 @@ enum Refusal {
     /// Only the average plane moves with the nodes.
     #[error(
         "`frame_derivative` cannot be \"co-moving\" with a given frame, which does not move with the nodes: leave it \
-         out or take \"frozen\", or leave out `frame` for the average plane"
+         out or take \"held\", or leave out `frame` for the average plane"
     )]
     CoMovingGivenFrame,
     /// Half of the domains' description.
@@ -258,7 +258,7 @@ fn with_domains(
     masters: &[Point],
     domains: &[MaterialDomain],
 ) -> Result<Evaluated, Refusal> {
-    if input.frame != FrameInput::AveragePlane || input.frame_derivative() == FrameDerivative::Frozen {
+    if input.frame != FrameInput::AveragePlane || input.frame_derivative() == FrameDerivative::Held {
         return Err(ElementError::HeldFrame.into());
     }
     let Coordinates(outward) = input.outward.ok_or(Refusal::MissingOutward)?;
@@ -315,7 +315,7 @@ fn frame(input: &ElementInput, masters: &[Point]) -> Result<Frame, Refusal> {
             };
             Ok(Frame { derivative, ..plane })
         }
-        (FrameInput::Given(given), FrameDerivative::Frozen) => {
+        (FrameInput::Given(given), FrameDerivative::Held) => {
             Ok(Frame::given(given.origin.0, given.t1.0, given.t2.0, given.normal.0, outward)?)
         }
         (FrameInput::Given(_), FrameDerivative::CoMoving) => Err(Refusal::CoMovingGivenFrame),

@@ -56,7 +56,7 @@ pub struct ElementInput {
     #[serde(default)]
     pub frame: FrameInput,
     /// What the frame does while the gap is differentiated; if left out, `co-moving` for the average plane and
-    /// `frozen` for a given frame, which does not move with the nodes.
+    /// `held` for a given frame, which does not move with the nodes.
     frame_derivative: Option<FrameDerivativeInput>,
     /// Radius of the domain of influence; 1.25 × the farthest in-plane distance of a master if left out.
     pub support_radius: Option<f64>,
@@ -103,7 +103,7 @@ impl ElementInput {
     /// The motion of the frame asked for, or the default for this frame.
     pub fn frame_derivative(&self) -> FrameDerivative {
         match (self.frame_derivative, &self.frame) {
-            (Some(FrameDerivativeInput::Frozen), _) | (None, FrameInput::Given(_)) => FrameDerivative::Frozen,
+            (Some(FrameDerivativeInput::Held), _) | (None, FrameInput::Given(_)) => FrameDerivative::Held,
             (Some(FrameDerivativeInput::CoMoving), _) | (None, FrameInput::AveragePlane) => {
                 FrameDerivative::CoMoving
             }
@@ -213,7 +213,7 @@ impl<'de> Visitor<'de> for FrameVisitor {
 #[derive(Clone, Copy, Debug, serde::Deserialize)]
 #[serde(rename_all = "kebab-case")]
 enum FrameDerivativeInput {
-    Frozen,
+    Held,
     CoMoving,
 }
 
@@ -261,14 +261,12 @@ mod tests {
         let element = &document.elements[0].0;
         let FrameInput::Given(frame) = &element.frame else { panic!("average plane") };
         assert_eq!(frame.t2, Coordinates([0.0, 1.0, 0.0]));
-        assert_eq!(element.frame_derivative(), FrameDerivative::Frozen);
+        assert_eq!(element.frame_derivative(), FrameDerivative::Held);
     }
 
     #[test]
     fn the_motion_of_the_frame_can_be_chosen() {
-        for (word, expected) in
-            [("frozen", FrameDerivative::Frozen), ("co-moving", FrameDerivative::CoMoving)]
-        {
+        for (word, expected) in [("held", FrameDerivative::Held), ("co-moving", FrameDerivative::CoMoving)] {
             let text = format!(
                 r#"{{"elements": [{{"slave": [0, 0, 1], "masters": [], "frame_derivative": "{word}"}}]}}"#
             );
@@ -318,7 +316,7 @@ mod tests {
             ),
             (
                 r#"{"elements": [{"frame_derivative": "moving"}]}"#,
-                "elements[0].frame_derivative: unknown variant `moving`, expected `frozen` or `co-moving`",
+                "elements[0].frame_derivative: unknown variant `moving`, expected `held` or `co-moving`",
             ),
             (
                 r#"{"elements": [{"frame": "plane"}]}"#,

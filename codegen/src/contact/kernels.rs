@@ -18,7 +18,7 @@ const NODE_INPUTS: [&str; 4] = ["master_x", "master_y", "master_z", DOMAIN_RATIO
 #[must_use]
 pub fn emit_kernel(spec: &KernelSpec) -> EmittedKernel<KernelSpec> {
     let program = Program::new(lower(&Kernel::new(spec.clone())));
-    let held = (spec.output.has_gap() && spec.frame == FrameRule::Frozen)
+    let held = (spec.output.has_gap() && spec.frame == FrameRule::Held)
         .then(|| ("plane_pivot_ratio", quote!(E::ONE)));
     let sticks = (spec.output == Output::Gap).then(|| ("slip", quote!(E::ZERO)));
     let constants: Vec<_> = held.into_iter().chain(sticks).collect();
@@ -52,7 +52,7 @@ pub(super) fn function_name(spec: &KernelSpec) -> Ident {
 
 fn frame_word(frame: FrameRule, [co_moving, material]: [&'static str; 2]) -> &'static str {
     match frame {
-        FrameRule::Frozen => "",
+        FrameRule::Held => "",
         FrameRule::CoMoving => co_moving,
         FrameRule::Material => material,
     }

@@ -421,7 +421,7 @@ fn scalar_method(
         let module = format_ident!("{}", basis.name());
         Mode::ALL.map(|mode| {
             let spec =
-                KernelSpec { output, mode, basis, weight: weight.clone(), frame: FrameRule::Frozen };
+                KernelSpec { output, mode, basis, weight: weight.clone(), frame: FrameRule::Held };
             let name = scalar_name(&spec);
             let arguments = derivative_arguments(mode, &quote!(hessians));
             let mode_name = format_ident!("{}", camel_case(mode.name()));
@@ -555,7 +555,7 @@ fn gap_kernels(output: Output, weight: &Weight, place: &TokenStream, bases: &[Ba
         specs.map(move |spec| {
             let (basis, condition) = basis_pattern(basis);
             let frame = match spec.frame {
-                FrameRule::Frozen => quote!(FrameRule::Frozen),
+                FrameRule::Held => quote!(FrameRule::Held),
                 FrameRule::CoMoving => quote!(FrameRule::CoMoving),
                 FrameRule::Material => quote!(FrameRule::Material),
             };

@@ -140,7 +140,7 @@ pub(crate) fn facet_signature(kernel: &Kernel<FacetSpec>) -> Signature {
 pub(crate) fn contact_signature(kernel: &Kernel) -> Signature {
     let KernelSpec { output, basis, weight, frame, .. } = &kernel.spec;
     let (name, moves) = match frame {
-        FrameRule::Frozen => (output.name().to_owned(), ""),
+        FrameRule::Held => (output.name().to_owned(), ""),
         FrameRule::CoMoving => {
             (format!("{}_co_moving", output.name()), ", frame moving with the average plane")
         }

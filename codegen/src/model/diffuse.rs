@@ -121,7 +121,7 @@ impl<'g> Diffuse<'g> {
         // (14) w = w(r), r = √(a² + b²) R/R_k
         let in_plane = |x: Vec3<'g>| Vector([x[0] * ratio, x[1] * ratio]).norm().named("r");
         let (r, coordinates, plane) = match frame_rule {
-            FrameRule::Frozen => (in_plane(offset), coordinates, None),
+            FrameRule::Held => (in_plane(offset), coordinates, None),
             FrameRule::CoMoving => {
                 // ω_k = ω(ρ), ρ = |x^k − x^c|/R_k; a reach of 0 makes all of them equal.
                 let reach = sheet.input(PLANE_REACH, Scope::Element);

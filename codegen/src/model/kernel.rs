@@ -75,7 +75,7 @@ impl Mode {
 pub enum FrameRule {
     /// It is held, as in the paper.
     #[default]
-    Frozen,
+    Held,
     /// It is the average plane of the master nodes and moves with them: angular momentum is conserved.
     CoMoving,
     /// It is that plane with the nodes weighted in the master's first configuration, where their domains of influence stay what
@@ -85,7 +85,7 @@ pub enum FrameRule {
 
 impl FrameRule {
     /// All rules.
-    pub const ALL: [Self; 3] = [Self::Frozen, Self::CoMoving, Self::Material];
+    pub const ALL: [Self; 3] = [Self::Held, Self::CoMoving, Self::Material];
 }
 
 /// What identifies a kernel, besides the number of nodes, which stays open until emission.
@@ -111,7 +111,7 @@ impl KernelSpec {
         let spec = |output, mode, frame| Self { output, mode, basis, weight: weight.clone(), frame };
         let mut all: Vec<Self> = Output::ALL
             .into_iter()
-            .flat_map(|output| Mode::ALL.map(|mode| spec(output, mode, FrameRule::Frozen)))
+            .flat_map(|output| Mode::ALL.map(|mode| spec(output, mode, FrameRule::Held)))
             .collect();
         if basis.is_isotropic() {
             for output in [Output::Gap, Output::Slip] {
@@ -181,7 +181,7 @@ impl Kernel {
                     formula: "w = w(r), r = |U (X_k - Xi)|",
                     source: "Chamoret et al. 2008, eq. 14, in the first configuration; docs/equations.md, T18",
                 },
-                FrameRule::Frozen | FrameRule::CoMoving => Equation {
+                FrameRule::Held | FrameRule::CoMoving => Equation {
                     formula: "w = w(r), r = sqrt(a^2 + b^2) R / R_k",
                     source: "Chamoret et al. 2008, eq. 14; R_k: docs/equations.md, T14",
                 },
@@ -328,7 +328,7 @@ impl Results {
                         source: "the slave's place in the first configuration; docs/equations.md, T18",
                     },
                 ],
-                FrameRule::Frozen | FrameRule::CoMoving => vec![Equation {
+                FrameRule::Held | FrameRule::CoMoving => vec![Equation {
                     formula: "n minimises sum omega (n (x^i - x_mean))^2, omega = w(reach |x^i - x^c| / R_k)",
                     source: "average plane, moving with the nodes; docs/equations.md, T14",
                 }],

@@ -43,7 +43,7 @@ fn compare() -> Result<[Row; 4], Box<dyn std::error::Error>> {
     let element =
         Element::new([0.15, 0.1, 0.2], &masters, Frame::average_plane(&masters, [0.0, 0.0, 1.0])?, 2.0);
     // A basis without a² and b² depends on the directions of the frame, which is therefore held.
-    let bilinear = element.with_frame(element.frame.frozen()).with_basis(BILINEAR);
+    let bilinear = element.with_frame(element.frame.held()).with_basis(BILINEAR);
 
     // 3. Backends with the kernels, and the independent witness for each.
     let quartic = GeneratedWith::<quartic::Quartic>::new();

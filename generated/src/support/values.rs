@@ -95,7 +95,7 @@ pub enum Mode {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum FrameRule {
     /// It is held, as in the paper.
-    Frozen,
+    Held,
     /// It is the average plane of the master nodes and moves with them.
     CoMoving,
     /// It is that plane, and domains of influence are those of [`Domains::Material`](super::Domains::Material).

@@ -33,7 +33,7 @@ impl Subject {
     #[must_use]
     pub fn name(self) -> String {
         match self.frame {
-            FrameRule::Frozen => self.output.name().to_owned(),
+            FrameRule::Held => self.output.name().to_owned(),
             FrameRule::CoMoving | FrameRule::Material => {
                 format!("{}, {}", self.output.name(), frame_name(self.frame))
             }
@@ -41,12 +41,12 @@ impl Subject {
     }
 }
 
-const COEFFICIENTS: Subject = Subject { output: Output::Coefficients, frame: FrameRule::Frozen };
-const SURFACE: Subject = Subject { output: Output::Surface, frame: FrameRule::Frozen };
-const GAP: Subject = Subject { output: Output::Gap, frame: FrameRule::Frozen };
+const COEFFICIENTS: Subject = Subject { output: Output::Coefficients, frame: FrameRule::Held };
+const SURFACE: Subject = Subject { output: Output::Surface, frame: FrameRule::Held };
+const GAP: Subject = Subject { output: Output::Gap, frame: FrameRule::Held };
 const CO_MOVING_GAP: Subject = Subject { output: Output::Gap, frame: FrameRule::CoMoving };
 const MATERIAL_GAP: Subject = Subject { output: Output::Gap, frame: FrameRule::Material };
-const SLIP: Subject = Subject { output: Output::Slip, frame: FrameRule::Frozen };
+const SLIP: Subject = Subject { output: Output::Slip, frame: FrameRule::Held };
 const CO_MOVING_SLIP: Subject = Subject { output: Output::Slip, frame: FrameRule::CoMoving };
 const MATERIAL_SLIP: Subject = Subject { output: Output::Slip, frame: FrameRule::Material };
 

@@ -90,7 +90,7 @@ pub struct RandomElement {
     basis: Basis,
     /// Weight that backends are asked for.
     pub(super) weight: Weight,
-    frozen: Place,
+    held: Place,
     co_moving: Place,
     material: Place,
     /// Where the nodes are in the first configuration.
@@ -160,11 +160,11 @@ impl RandomElement {
                 let figures = interpreted.conditioning(&candidate.element(frame), point).ok();
                 figures.filter(is_well_conditioned)
             };
-            let Some(frozen) = figures(FrameRule::Frozen, candidate.point) else { continue };
-            // The surface is compared in the frozen frame only.
+            let Some(held) = figures(FrameRule::Held, candidate.point) else { continue };
+            // The surface is compared in the held frame only.
             let Some(co_moving) = figures(FrameRule::CoMoving, [0.0; 2]) else { continue };
             let Some(material) = figures(FrameRule::Material, [0.0; 2]) else { continue };
-            candidate.conditioning = [frozen, co_moving, material];
+            candidate.conditioning = [held, co_moving, material];
             return Ok(candidate);
         }
         Err(NoElement { nodes, basis, attempts: ATTEMPTS })
@@ -174,14 +174,14 @@ impl RandomElement {
     #[must_use]
     pub fn element(&self, rule: FrameRule) -> Element<'_> {
         let Place { slave, frame } = match rule {
-            FrameRule::Frozen => self.frozen,
+            FrameRule::Held => self.held,
             FrameRule::CoMoving => self.co_moving,
             FrameRule::Material => self.material,
         };
         let domains = match rule {
             FrameRule::Material => Domains::Material(&self.material_nodes),
-            FrameRule::Frozen | FrameRule::CoMoving if self.radii.is_empty() => Domains::Shared,
-            FrameRule::Frozen | FrameRule::CoMoving => Domains::Each(&self.radii),
+            FrameRule::Held | FrameRule::CoMoving if self.radii.is_empty() => Domains::Shared,
+            FrameRule::Held | FrameRule::CoMoving => Domains::Each(&self.radii),
         };
         Element::new(slave, &self.masters, frame, self.support_radius)
             .with_domains(domains)
@@ -230,7 +230,7 @@ impl RandomElement {
             .collect();
         let point = random.in_disc(POINT_DISC).map(|x| radius * x);
         let anchor = std::array::from_fn(|k| slave[k] + radius * random.between(-POINT_DISC, POINT_DISC));
-        let frozen = Place { slave, frame: Frame::given(slave, t1, t2, normal, None)? };
+        let held = Place { slave, frame: Frame::given(slave, t1, t2, normal, None)? };
         let radii: Vec<f64> = if has_domains {
             masters.iter().map(|_| radius * random.between(0.9, 1.3)).collect()
         } else {
@@ -266,7 +266,7 @@ impl RandomElement {
             support_radius: radius,
             basis,
             weight: Weight::default(),
-            frozen,
+            held,
             co_moving,
             material,
             material_nodes,
@@ -339,7 +339,7 @@ mod tests {
             let random = RandomElement::new(basis, nodes, 7, 0, &interpreted).unwrap();
             assert!(random.conditioning.iter().all(is_well_conditioned));
             for (frame, derivative) in [
-                (FrameRule::Frozen, FrameDerivative::Frozen),
+                (FrameRule::Held, FrameDerivative::Held),
                 (FrameRule::CoMoving, FrameDerivative::CoMoving),
                 (FrameRule::Material, FrameDerivative::CoMoving),
             ] {

@@ -1,4 +1,4 @@
-//! The `check` job: every kernel, of the frozen and of the co-moving frame, against automatic differentiation and
+//! The `check` job: every kernel, of the held and of the co-moving frame, against automatic differentiation and
 //! against the interpreter of its graph.
 //!
 //! [`elements`] makes the random elements, [`blocks`] says which numbers of a result belong together and how their

@@ -17,7 +17,7 @@ from ._errors import BusyError, ElementError, InputError
 Mode = Literal["value", "gradient", "hessian"]
 Weight = Literal["cubic", "cubic-interpolating", "wendland-c2"]
 Basis = Literal["quadratic", "linear"]
-FrameDerivative = Literal["co-moving", "frozen"]
+FrameDerivative = Literal["co-moving", "held"]
 
 #: What the numbers in :attr:`GapBatch.status` mean: ``STATUS_CODES[0]`` is ``"ok"``, others are codes of errors.
 STATUS_CODES: tuple[str, ...] = tuple(_native.STATUS_CODES)
@@ -25,7 +25,7 @@ STATUS_CODES: tuple[str, ...] = tuple(_native.STATUS_CODES)
 _MODES = ("value", "gradient", "hessian")
 
 
-@dataclass(frozen=True)
+@dataclass(held=True)
 class GapBatch:
     """Results of k elements with n masters each. All but ``status`` are NaN where there is no result.
 
@@ -133,7 +133,7 @@ def gap(
         weight: ``"cubic"``, ``"cubic-interpolating"`` (the surface passes through the masters) or
             ``"wendland-c2"``.
         frame_derivative: ``"co-moving"``, the average plane moves with the masters while differentiating, or
-            ``"frozen"``; co-moving if left out, but frozen with given frames.
+            ``"held"``; co-moving if left out, but held with given frames.
         mode: ``"value"``, ``"gradient"`` (N too) or ``"hessian"`` (N and M too).
         packed: whether M is given as its packed lower triangle.
         on_error: ``"raise"`` an ElementError for the first element without a result, or tell it in ``status``.
@@ -175,7 +175,7 @@ def gap(
     if basis is None:
         basis = "quadratic" if nodes >= 6 else "linear"
     if frame_derivative is None:
-        frame_derivative = "co-moving" if frames is None else "frozen"
+        frame_derivative = "co-moving" if frames is None else "held"
     choice("mode", mode, *_MODES)
     packed = flag("packed", packed)
     shapes = _shapes(count, nodes, mode, packed)

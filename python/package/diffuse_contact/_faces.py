@@ -189,8 +189,8 @@ class FaceInterface(FrictionHistory):
             degree: as for ``FaceInterface``.
             dofs: as for ``FaceInterface``.
             equations: as for ``FaceInterface``.
-            quadratic_master: faces of second order of the master, as ``quadratic`` of ``FaceInterface``, with the numbers
-                of their nodes in the whole surface: all that have a node in the window; more do no harm.
+            quadratic_master: faces of second order of the master, as ``quadratic`` of ``FaceInterface``, with the
+                numbers of their nodes in the whole surface: all that have a node in the window; more do no harm.
             quadratic_slave: the same of the slave.
             options: those that the windows were made with; ``distance_limit`` has to be given.
 

@@ -60,7 +60,7 @@ class Options:
     Attributes:
         element: ``"diffuse"``, or ``"node-to-facet"`` for the classic element.
         weight: ``"cubic"``, ``"cubic-interpolating"`` (the surface passes through the masters) or ``"wendland-c2"``.
-        frame_derivative: ``"co-moving"``: N and M are exact; ``"frozen"``: the frame is held, as in the paper, which
+        frame_derivative: ``"co-moving"``: N and M are exact; ``"held"``: the frame does not move, as in the paper, which
             needs another rule than ``"domains"``.
         rule: which master nodes take part: ``"domains"``, all nodes of the slave's sheet within whose domain of
             influence it lies, so that the gap does not jump; ``"hull-layers"``, ``"hull-radius"`` or ``"nearest"``.
@@ -171,10 +171,10 @@ class ContactInterface(FrictionHistory):
     """Slave nodes paired with a master surface.
 
     In a Newton iteration: ``refresh_pairing`` once an increment or once an iteration, then at each iteration
-    ``update`` (``follow`` where slaves leave their domains meanwhile), ``evaluate``, ``forces`` and ``tangent``, the last with ``adaptive_tangent``. Every slave has an
-    outcome; an exception is for what the caller has to mend, and leaves the interface as it was. (An evaluation that
-    finds no memory leaves it without results.) Arrays given as ``out`` are as they were, but if a sum overflows: they
-    then hold anything.
+    ``update`` (``follow`` where slaves leave their domains meanwhile), ``evaluate``, ``forces`` and ``tangent``, the
+    last with ``adaptive_tangent``. Every slave has an outcome; an exception is for what the caller has to mend, and
+    leaves the interface as it was. (An evaluation that finds no memory leaves it without results.) Arrays given as
+    ``out`` are as they were, but if a sum overflows: they then hold anything.
 
     Contact force of slave k, with ε_k = penalty × area_k and multiplier λ_k (0 if there are none)::
 

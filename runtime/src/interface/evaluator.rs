@@ -230,7 +230,7 @@ impl Evaluator<'_> {
             t1,
             t2,
             normal,
-            derivative: FrameDerivative::Frozen,
+            derivative: FrameDerivative::Held,
             reach: 0.0,
         })
     }
@@ -245,10 +245,10 @@ impl Evaluator<'_> {
             return Ok(None);
         }
         let moving = Paired { frame: None, ..*paired };
-        Ok(Some(self.frame(&moving, scratch)?.0.frozen()))
+        Ok(Some(self.frame(&moving, scratch)?.0.held()))
     }
 
     const fn holds_frames(&self) -> bool {
-        matches!(self.options.element, ContactElement::Diffuse { frame: FrameDerivative::Frozen, .. })
+        matches!(self.options.element, ContactElement::Diffuse { frame: FrameDerivative::Held, .. })
     }
 }

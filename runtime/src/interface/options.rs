@@ -26,7 +26,7 @@ pub enum ContactElement {
         /// Weight function of the fit.
         weight: Weight,
         /// [`FrameDerivative::CoMoving`]: the frame is the average plane of the masters at the positions of the
-        /// evaluation. [`FrameDerivative::Frozen`]: it is the average plane of the last refresh.
+        /// evaluation. [`FrameDerivative::Held`]: it is the average plane of the last refresh.
         frame: FrameDerivative,
         /// Which nodes take part.
         search: SearchOptions,
@@ -157,7 +157,7 @@ impl InterfaceOptions {
         }
         if let ContactElement::Diffuse { search, frame, .. } = &self.element {
             search.check()?;
-            if (search.rule, *frame) == (NeighbourRule::Domains, FrameDerivative::Frozen) {
+            if (search.rule, *frame) == (NeighbourRule::Domains, FrameDerivative::Held) {
                 return Err(InterfaceError::HeldFrame);
             }
         }

@@ -162,7 +162,7 @@ fn surface(section: &Section) -> Result<InterfaceOptions, DeckError> {
         options.element = options.element.with_weight(field.word(&weights)?);
     }
     if let Some(field) = section.get("frame") {
-        let frames = [("co-moving", FrameDerivative::CoMoving), ("frozen", FrameDerivative::Frozen)];
+        let frames = [("co-moving", FrameDerivative::CoMoving), ("held", FrameDerivative::Held)];
         options.element = options.element.with_frame(field.word(&frames)?);
     }
     if let Some(field) = section.get("areas") {

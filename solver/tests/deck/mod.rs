@@ -157,7 +157,7 @@ fn every_field_is_taken() {
         two_pass = true
         exchange = true
         weight = "wendland-c2"
-        frame = "frozen"
+        frame = "held"
         neighbours = { rule = "nearest", count = 14, regularity = 0.1 }
         refresh = "iteration"
         tangent = "gauss-newton"
@@ -195,7 +195,7 @@ fn every_field_is_taken() {
     let ContactElement::Diffuse { weight, frame, search, .. } = options.element else {
         panic!("not diffuse")
     };
-    assert_eq!((weight, frame), (Weight::WendlandC2, FrameDerivative::Frozen));
+    assert_eq!((weight, frame), (Weight::WendlandC2, FrameDerivative::Held));
     assert_eq!((search.rule, search.smallest_regularity), (NeighbourRule::nearest(14), 0.1));
     assert_eq!(
         (options.feature_angle_degrees, options.border_tolerance, options.distance_limit),

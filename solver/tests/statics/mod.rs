@@ -349,7 +349,7 @@ fn a_run_goes_on_from_any_state_to_the_same_end() {
         ("refresh = \"increment\"", ""),
         ("refresh = \"increment\"", "extrapolation = \"linear\""),
         ("refresh = \"iteration\"\nneighbours = { rule = \"hull-layers\" }", ""),
-        ("frame = \"frozen\"\nneighbours = { rule = \"hull-layers\" }", ""),
+        ("frame = \"held\"\nneighbours = { rule = \"hull-layers\" }", ""),
         (&format!("refresh = \"iteration\"\n{augmented}"), ""),
     ] {
         let base = PRESSED.replace("penalty = 2000.0", &format!("penalty = 2000.0\n{more}"));

@@ -43,9 +43,9 @@ fn variants(case: &Case) -> [Case; TANGENTS.len()] {
         with("exact"),
         with("adaptive"),
         with("exact")
-            .with("interface.frame", "frozen")
+            .with("interface.frame", "held")
             .with("interface.neighbours.rule", "hull-layers")
-            .named("frozen"),
+            .named("held"),
         with("gauss-newton"),
     ]
 }

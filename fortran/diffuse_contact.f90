@@ -178,6 +178,17 @@ module diffuse_contact
             integer(c_int) :: status
         end function
 
+        function dc_create_self_contact(positions, node_count, facets, facet_count, options, interface) bind(c) &
+                result(status)
+            import :: c_double, c_int, c_int32_t, c_ptr, c_size_t, dc_options
+            real(c_double), intent(in) :: positions(*)
+            integer(c_int32_t), intent(in) :: facets(*)
+            integer(c_size_t), value :: node_count, facet_count
+            type(dc_options), intent(in), optional :: options
+            type(c_ptr), intent(out) :: interface
+            integer(c_int) :: status
+        end function
+
         function dc_destroy(interface) bind(c) result(status)
             import :: c_int, c_ptr
             type(c_ptr), value :: interface

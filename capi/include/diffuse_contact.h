@@ -592,6 +592,19 @@ enum dc_status dc_create(const double *positions,
                          const struct dc_options *options,
                          struct dc_interface **interface);
 
+// Makes an interface of a surface in contact with itself: each of its nodes is a slave, and `facets` are all that it may touch. The surface
+// may be the skins of several bodies. Give the law half of the penalty between two surfaces: both sides push. With `areas` of `options` they
+// are those of `facets`. All else is as with dc_create; dc_window_create is DC_BAD_OPTION.
+//
+// # Safety
+// As dc_create.
+enum dc_status dc_create_self_contact(const double *positions,
+                                      size_t node_count,
+                                      const int32_t *facets,
+                                      size_t facet_count,
+                                      const struct dc_options *options,
+                                      struct dc_interface **interface);
+
 // Destroys an interface. NULL is DC_OK, a handle that was destroyed before is DC_BAD_HANDLE.
 enum dc_status dc_destroy(struct dc_interface *interface);
 

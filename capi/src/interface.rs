@@ -153,6 +153,48 @@ fn create(
     Ok(State::new(interface, positions.len(), hint))
 }
 
+/// Makes an interface of a surface in contact with itself: each of its nodes is a slave, and `facets` are all that it may touch. The surface
+/// may be the skins of several bodies. Give the law half of the penalty between two surfaces: both sides push. With `areas` of `options` they
+/// are those of `facets`. All else is as with dc_create; dc_window_create is DC_BAD_OPTION.
+///
+/// # Safety
+/// As dc_create.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn dc_create_self_contact(
+    positions: *const f64,
+    node_count: usize,
+    facets: *const i32,
+    facet_count: usize,
+    options: *const dc_options,
+    interface: *mut *mut dc_interface,
+) -> dc_status {
+    border::call(|| {
+        let make = || {
+            // SAFETY: as the caller promises.
+            let (positions, facets, options) = unsafe {
+                (
+                    points(positions, node_count)?,
+                    facet_rows("facets", facets, facet_count)?,
+                    dc_options::read(options)?,
+                )
+            };
+            let state = threads::run(|| create_self_contact(positions, facets, &options))??;
+            INTERFACES.insert(state)
+        };
+        // SAFETY: as the caller promises.
+        unsafe { border::hand_out("interface", interface, make) }
+    })
+}
+
+fn create_self_contact(positions: &[Point], facets: &[i32], options: &dc_options) -> Result<State, Failure> {
+    check_nodes(positions.len())?;
+    let own = options.interface()?;
+    let surface = MasterSurface::new(positions, facets_of(facets)?)?;
+    let interface = ContactInterface::self_contact(surface, positions, own)?;
+    let hint = Hint::new(options.cutback_penetration, interface.slaves().len())?;
+    Ok(State::new(interface, positions.len(), hint))
+}
+
 /// Destroys an interface. NULL is DC_OK, a handle that was destroyed before is DC_BAD_HANDLE.
 #[unsafe(no_mangle)]
 pub extern "C" fn dc_destroy(interface: *mut dc_interface) -> dc_status {

@@ -6,13 +6,13 @@ use diffuse_contact::faces::{
     FaceContacts, FaceInterface, FaceOptions, FaceReport, FaceRule, NodeContact, QuadraticFace,
 };
 use diffuse_contact::interface::InterfaceError;
-use diffuse_contact::surface::{Facet, SymmetryPlane};
+use diffuse_contact::surface::Facet;
 use numpy::{PyArray1, PyArray2};
 use pyo3::prelude::*;
 
 use crate::arrays::{facets, points, quadratic_faces, readable, slice, slice_mut, writable};
 use crate::errors::{self, Raise};
-use crate::interface::{dof_map, exclusive, shared};
+use crate::interface::{dofs_of, exclusive, planes, shared};
 use crate::law::Law;
 use crate::options::{self, Options};
 use crate::surface::Surface;
@@ -51,13 +51,6 @@ fn face_options(py: Python<'_>, options: Options, degree: usize) -> PyResult<Fac
 
 type Equations<'py> = Option<(usize, Bound<'py, PyArray2<i64>>)>;
 
-fn dofs_of(py: Python<'_>, equations: Equations<'_>, nodes: usize) -> PyResult<DofMap> {
-    match equations {
-        Some((count, numbers)) => dof_map(py, count, &numbers, nodes),
-        None => Ok(DofMap::standard(nodes)),
-    }
-}
-
 impl Faces {
     fn contacts(&self, py: Python<'_>) -> PyResult<&FaceContacts> {
         if self.current {
@@ -92,10 +85,7 @@ impl Faces {
         let options = face_options(py, options, degree)?;
         let dofs = dofs_of(py, equations, positions.len())?;
         let master = master.surface.clone();
-        let symmetry = readable(symmetry)?;
-        let (planes, _) = points(py, &symmetry)?.as_chunks::<2>();
-        let planes: Vec<SymmetryPlane> =
-            planes.iter().map(|&[point, normal]| SymmetryPlane { point, normal }).collect();
+        let planes = planes(py, symmetry)?;
         let mut curved = Vec::new();
         for rows in &quadratic {
             curved.extend(quadratic_faces(py, &readable(rows)?)?);

@@ -78,6 +78,35 @@ impl Interface {
     }
 }
 
+/// Equations as given, or 3·node + axis.
+pub fn dofs_of(
+    py: Python<'_>,
+    equations: Option<(usize, Bound<'_, PyArray2<i64>>)>,
+    nodes: usize,
+) -> PyResult<DofMap> {
+    match equations {
+        Some((count, numbers)) => dof_map(py, count, &numbers, nodes),
+        None => Ok(DofMap::standard(nodes)),
+    }
+}
+
+/// Planes from a point and a normal in turn.
+pub fn planes(py: Python<'_>, symmetry: &Bound<'_, PyArray2<f64>>) -> PyResult<Vec<SymmetryPlane>> {
+    let symmetry = readable(symmetry)?;
+    let (planes, _) = points(py, &symmetry)?.as_chunks::<2>();
+    Ok(planes.iter().map(|&[point, normal]| SymmetryPlane { point, normal }).collect())
+}
+
+fn with_planes(
+    mut interface: ContactInterface,
+    planes: &[SymmetryPlane],
+) -> Result<ContactInterface, InterfaceError> {
+    if !planes.is_empty() {
+        interface.set_symmetry(planes)?;
+    }
+    Ok(interface)
+}
+
 #[pymethods]
 impl Interface {
     /// `equations`: number, and those of each node's axes, −1 where there is none; `None` for 3·node + axis. `symmetry`: a point
@@ -104,24 +133,38 @@ impl Interface {
             None => Vec::new(),
         };
         let options = options.interface(py, areas)?;
-        let dofs = match equations {
-            Some((count, numbers)) => dof_map(py, count, &numbers, positions.len())?,
-            None => DofMap::standard(positions.len()),
-        };
+        let dofs = dofs_of(py, equations, positions.len())?;
+        let planes = planes(py, symmetry)?;
         let master = master.surface.clone();
-        let symmetry = readable(symmetry)?;
-        let (planes, _) = points(py, &symmetry)?.as_chunks::<2>();
-        let planes: Vec<SymmetryPlane> =
-            planes.iter().map(|&[point, normal]| SymmetryPlane { point, normal }).collect();
         let made = threads::run(py, || {
-            let mut interface = ContactInterface::new(master, slaves, &slave_facets, positions, options)?;
-            if !planes.is_empty() {
-                interface.set_symmetry(&planes)?;
-            }
-            Ok(interface)
+            with_planes(ContactInterface::new(master, slaves, &slave_facets, positions, options)?, &planes)
         })?;
         let interface = made.map_err(|error: InterfaceError| error.raise(py))?;
         Ok(Self::of(interface, dofs))
+    }
+
+    /// Of a surface in contact with itself.
+    #[staticmethod]
+    #[pyo3(signature = (surface, positions, areas, options, equations, symmetry))]
+    fn self_contact(
+        py: Python<'_>,
+        surface: &Surface,
+        positions: &Bound<'_, PyArray2<f64>>,
+        areas: bool,
+        options: Options,
+        equations: Option<(usize, Bound<'_, PyArray2<i64>>)>,
+        symmetry: &Bound<'_, PyArray2<f64>>,
+    ) -> PyResult<Self> {
+        let positions = readable(positions)?;
+        let positions = points(py, &positions)?;
+        let options = options.interface(py, areas)?;
+        let dofs = dofs_of(py, equations, positions.len())?;
+        let planes = planes(py, symmetry)?;
+        let surface = surface.surface.clone();
+        let made = threads::run(py, || {
+            with_planes(ContactInterface::self_contact(surface, positions, options)?, &planes)
+        })?;
+        Ok(Self::of(made.map_err(|error: InterfaceError| error.raise(py))?, dofs))
     }
 
     fn slaves<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyArray1<i64>>> {

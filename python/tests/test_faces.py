@@ -294,6 +294,32 @@ def test_refusals():
     assert repr(faces) == "<FaceInterface of 25 nodes, diffuse>"
 
 
+def test_nodes_of_a_surface_touch_it():
+    positions, master, slave = bumps()
+    apart = positions.copy()
+    apart[slave.min() :, 2] += 0.3
+    surface = dc.MasterSurface(apart, np.vstack([master, slave]))
+    for areas in (True, False):
+        own = dc.ContactInterface.self_contact(surface, apart, areas=areas)
+        assert np.array_equal(own.slaves, np.arange(len(positions)))
+        own.refresh_pairing(positions)
+        contacts = own.evaluate("hessian")
+        assert (contacts.gap < 0.0).sum() > 10
+        assert (contacts.area == 1.0).all() != areas
+        forces = own.forces(PENALTY).reshape(-1, 3)
+        assert abs(forces[: master.max() + 1, 2].sum()) > 1.0
+        assert np.allclose(forces.sum(axis=0), 0.0, atol=1e-12)
+        tangent = own.tangent(PENALTY)
+        assert abs(tangent - tangent.T).max() < 1e-12 * abs(tangent).max()
+    with pytest.raises(dc.InputError, match="MasterSurface"):
+        dc.ContactInterface.self_contact(master, apart)
+    with pytest.raises(dc.InputError, match="weigth"):
+        dc.ContactInterface.self_contact(surface, apart, weigth="cubic")
+    with pytest.raises(dc.InterfaceError) as error:
+        own.window([[[-9.0] * 3, [9.0] * 3]], 0.0)
+    assert error.value.code == "self-contact"
+
+
 def test_a_surface_touches_itself():
     positions, master, slave = bumps()
     # Apart at first: a sheet right behind another would be the back of one body.

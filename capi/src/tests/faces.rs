@@ -3,22 +3,26 @@
 use std::ptr::{null, null_mut};
 
 use runtime::Mode;
-use runtime::assembly::{ContactLaw, DofMap, Tangent};
+use runtime::assembly::{ContactLaw, DofMap, Tangent, add_forces};
 use runtime::faces::{FaceInterface, FaceOptions, FaceRule, QuadraticFace};
 use runtime::friction::Coulomb;
-use runtime::interface::InterfaceOptions;
+use runtime::interface::{ContactInterface, InterfaceOptions};
 use runtime::surface::{Facet, MasterSurface};
 
-use super::message;
+use super::{message, options};
+use crate::assembly::dc_add_forces;
 use crate::choice::Named;
 use crate::faces::*;
 use crate::faces_assembly::*;
 use crate::faces_friction::*;
+use crate::interface::{dc_create_self_contact, dc_destroy, dc_evaluate, dc_refresh};
 use crate::law::dc_law;
+use crate::options::dc_options;
 use crate::status::{
     DC_BAD_HANDLE, DC_BAD_OPTION, DC_BAD_POINTER, DC_BAD_SIZE, DC_BAD_SURFACE, DC_NOT_EVALUATED, DC_OK,
     DC_OUT_OF_RANGE, dc_status,
 };
+use crate::window::dc_window_create;
 
 /// A bumpy lattice of 9 × 9 nodes below a coarser one of 5 × 5, which dips into it, each by faces of 9 nodes.
 pub(super) struct Pair {
@@ -376,18 +380,71 @@ fn faces_have_friction() {
     assert_eq!(dc_faces_destroy(handle), DC_OK);
 }
 
-/// Both lattices as one surface: what the runtime has, bit for bit.
-#[test]
-fn a_surface_touches_itself() {
-    let pair = Pair::new();
+/// Both lattices as one surface, apart at first: a sheet right behind another would be the back of one body.
+fn itself(pair: &Pair) -> (Vec<[f64; 3]>, Vec<i32>, MasterSurface) {
     let (positions, _) = pair.positions.as_chunks::<3>();
-    // Apart at first: a sheet right behind another would be the back of one body.
     let mut apart = positions.to_vec();
     apart[81..].iter_mut().for_each(|position| position[2] += 0.1);
     let facets = [flat(&pair.master), flat(&pair.slave)].concat();
     let row = |row: &[i32; 4]| Facet::Quadrilateral(row.map(|node| node as usize));
     let rows = facets.as_chunks::<4>().0.iter().map(row).collect();
     let surface = MasterSurface::new(&apart, rows).unwrap();
+    (apart, facets, surface)
+}
+
+/// The force on the upper side of one body is that on the lower side of the other.
+fn assert_sides(forces: &[f64]) {
+    let along = |nodes: std::ops::Range<usize>| nodes.map(|node| forces[3 * node + 2]).sum::<f64>();
+    let (below, above) = (along(0..81), along(81..forces.len() / 3));
+    assert!(above.abs() > 1.0 && (below + above).abs() < 1e-12 * above.abs(), "{below} {above}");
+}
+
+/// Over nodes: what the runtime has, bit for bit.
+#[test]
+fn nodes_of_a_surface_touch_it() {
+    let pair = Pair::new();
+    let (positions, _) = pair.positions.as_chunks::<3>();
+    let (apart, facets, surface) = itself(&pair);
+    let own = InterfaceOptions::default().with_areas(true);
+    let mut expected = ContactInterface::self_contact(surface, &apart, own).unwrap();
+    expected.refresh_pairing(positions).unwrap();
+    let of_runtime = ContactLaw::penalty(300.0);
+    let expected = expected.evaluate(Mode::Gradient).unwrap();
+    let size = 3 * pair.nodes();
+    let (mut sum, mut forces, mut handle) = (vec![0.0; size], vec![0.0; size], null_mut());
+    add_forces(expected, &of_runtime, &DofMap::standard(pair.nodes()), &mut sum).unwrap();
+    let options = dc_options { areas: 1, ..options() };
+    // SAFETY: the arrays have the lengths given.
+    unsafe {
+        let (nodes, count) = (pair.nodes(), facets.len() / 4);
+        let (start, moved) = (apart.as_flattened().as_ptr(), pair.positions.as_ptr());
+        let (list, narrow) = (facets.as_ptr(), dc_options { border_tolerance: -1.0, ..options });
+        assert_eq!(dc_create_self_contact(start, nodes, list, count, &narrow, &mut handle), DC_BAD_OPTION);
+        assert_eq!(
+            dc_create_self_contact(start, nodes, null(), count, &options, &mut handle),
+            DC_BAD_POINTER
+        );
+        let status = dc_create_self_contact(start, nodes, list, count, &options, &mut handle);
+        assert_eq!(status, DC_OK, "{}", message());
+        assert_eq!(dc_refresh(handle, moved, nodes, null_mut()), DC_OK);
+        assert_eq!(dc_evaluate(handle, 1), DC_OK, "{}", message());
+        let status = dc_add_forces(handle, &law(&[]), forces.as_mut_ptr(), size, null_mut());
+        assert_eq!(status, DC_OK, "{}", message());
+        let (mut window, boxes) = (null_mut(), [-9.0, -9.0, -9.0, 9.0, 9.0, 9.0]);
+        assert_eq!(dc_window_create(handle, boxes.as_ptr(), 1, 0.0, &mut window), DC_BAD_OPTION);
+        assert!(message().starts_with("self-contact: "), "{}", message());
+        assert_eq!(dc_destroy(handle), DC_OK);
+    }
+    assert_eq!(forces, sum);
+    assert_sides(&forces);
+}
+
+/// What the runtime has, bit for bit.
+#[test]
+fn a_surface_touches_itself() {
+    let pair = Pair::new();
+    let (positions, _) = pair.positions.as_chunks::<3>();
+    let (apart, facets, surface) = itself(&pair);
     let options = FaceOptions::new(InterfaceOptions::default());
     let mut expected = FaceInterface::self_contact(surface, &apart, options).unwrap();
     expected.refresh(positions).unwrap();
@@ -413,9 +470,6 @@ fn a_surface_touches_itself() {
         assert_eq!(status, DC_OK);
     }
     assert_eq!(residual, sum);
-    // The force on the upper side of one body is that on the lower side of the other.
-    let along = |nodes: std::ops::Range<usize>| nodes.map(|node| residual[3 * node + 2]).sum::<f64>();
-    let (below, above) = (along(0..81), along(81..pair.nodes()));
-    assert!(above.abs() > 1.0 && (below + above).abs() < 1e-12 * above.abs(), "{below} {above}");
+    assert_sides(&residual);
     assert_eq!(dc_faces_destroy(handle), DC_OK);
 }

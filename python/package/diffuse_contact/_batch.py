@@ -25,7 +25,7 @@ STATUS_CODES: tuple[str, ...] = tuple(_native.STATUS_CODES)
 _MODES = ("value", "gradient", "hessian")
 
 
-@dataclass(held=True)
+@dataclass(frozen=True)
 class GapBatch:
     """Results of k elements with n masters each. All but ``status`` are NaN where there is no result.
 

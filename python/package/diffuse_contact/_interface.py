@@ -60,7 +60,7 @@ class Options:
     Attributes:
         element: ``"diffuse"``, or ``"node-to-facet"`` for the classic element.
         weight: ``"cubic"``, ``"cubic-interpolating"`` (the surface passes through the masters) or ``"wendland-c2"``.
-        frame_derivative: ``"co-moving"``: N and M are exact; ``"held"``: the frame does not move, as in the paper, which
+        frame_derivative: ``"co-moving"``: N and M are exact; ``"held"``: the frame does not move, as in the paper. That
             needs another rule than ``"domains"``.
         rule: which master nodes take part: ``"domains"``, all nodes of the slave's sheet within whose domain of
             influence it lies, so that the gap does not jump; ``"hull-layers"``, ``"hull-radius"`` or ``"nearest"``.
@@ -229,6 +229,52 @@ class ContactInterface(FrictionHistory):
             numbers,
             planes("symmetry", symmetry),
         )
+
+    @classmethod
+    def self_contact(
+        cls,
+        surface: MasterSurface,
+        positions: ArrayLike,
+        *,
+        areas: bool = True,
+        dofs: ArrayLike | None = None,
+        equations: int | None = None,
+        symmetry: Planes = (),
+        **options: Any,
+    ) -> ContactInterface:
+        """An interface of a surface in contact with itself: each of its nodes is a slave.
+
+        The surface may be the skins of several bodies, which then touch one another and themselves. A node may touch
+        every facet that faces it, is far along the skin, is not its back and lies in front of it. Both sides push: the
+        penalty is half of that between two surfaces.
+
+        Args:
+            surface: the surface.
+            positions: first positions of all nodes, shape (p, 3), length.
+            areas: whether contacts carry the nodes' tributary areas, so that the penalty is one per area.
+            dofs: as for ``ContactInterface``.
+            equations: as for ``ContactInterface``.
+            symmetry: as for ``ContactInterface``.
+            options: the fields of ``Options``, by keyword.
+
+        Raises:
+            InterfaceError: for positions, options and planes of symmetry that are refused.
+
+        """
+        made = cls.__new__(cls)
+        if not isinstance(surface, MasterSurface):
+            raise InputError(f"surface has to be a MasterSurface, not {type(surface).__name__}", "wrong-type")
+        made._options = _named_options(cls.self_contact, options)
+        positions = floats("positions", positions, "p", 3)
+        made._interface = _native.Interface.self_contact(
+            surface._surface,
+            positions,
+            flag("areas", areas),
+            made._options,
+            _equations(dofs, equations, len(positions)),
+            planes("symmetry", symmetry),
+        )
+        return made
 
     @classmethod
     def in_window(

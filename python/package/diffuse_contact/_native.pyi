@@ -74,6 +74,15 @@ class Interface:
         symmetry: _Floats,
     ) -> Interface: ...
     @staticmethod
+    def self_contact(
+        surface: Surface,
+        positions: _Floats,
+        areas: bool,
+        options: Any,
+        equations: tuple[int, _Ints] | None,
+        symmetry: _Floats,
+    ) -> Interface: ...
+    @staticmethod
     def in_window(
         window: Window,
         slaves: _Ints,

@@ -422,7 +422,7 @@ class ContactInterface(FrictionHistory):
                 ``contact`` and the exact ``triplets`` show, and which takes the most memory of all.
 
         Raises:
-            InterfaceError: if the results do not fit into memory.
+            InterfaceError: ``"not-refreshed"`` before the first refresh; if the results do not fit into memory.
 
         """
         self._interface.evaluate(word("mode", mode))
@@ -453,7 +453,7 @@ class ContactInterface(FrictionHistory):
         refresh with the pairing held. It needs no evaluation, and leaves the last one as it is.
 
         Raises:
-            InterfaceError: if the results do not fit into memory.
+            InterfaceError: ``"not-refreshed"`` before the first refresh; if the results do not fit into memory.
 
         """
         fields = self._interface.feet()

@@ -335,10 +335,10 @@ impl Config {
                 return Err(ConfigError::DuplicateWeight { name: (*name).to_owned() });
             }
         }
-        let elements = self.element_modules(&support, optimised)?;
+        let elements = || self.element_modules(&support, optimised);
         let options =
             EmitOptions::new(&support, &self.bases).with_friction(self.friction).with_optimised(optimised);
-        Ok(emit_file(&self.weights, self.facets, &elements, options)?)
+        emit_file(&self.weights, self.facets, elements, options)
     }
 
     fn element_modules(

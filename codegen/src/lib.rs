@@ -111,6 +111,7 @@ pub mod lower;
 pub mod model;
 pub mod schedule;
 pub mod structure;
+mod table;
 
 pub use config::{Config, ConfigError};
 pub use expr::{Expr, Sheet};

@@ -9,6 +9,7 @@ use rustc_hash::FxHashMap;
 use crate::graph::{ExprId, Graph, Op, PolynomialId, RootId, Scope, SolveId, SymbolId, SystemId};
 use crate::model::Kernel;
 use crate::structure::{Gradient, Hessian, PointBlocks};
+use crate::table::Table;
 
 /// The kernel over a graph without structured nodes other than sums and roots.
 #[must_use]
@@ -73,7 +74,7 @@ pub fn lower<S: Clone>(kernel: &Kernel<S>) -> Kernel<S> {
 struct Lowering<'a> {
     source: &'a Graph,
     target: Graph,
-    done: FxHashMap<ExprId, ExprId>,
+    done: Table<ExprId, ExprId>,
     symbols: FxHashMap<SymbolId, ExprId>,
     factors: FxHashMap<SystemId, Factor>,
     inverses: FxHashMap<(SystemId, usize, usize), ExprId>,
@@ -106,7 +107,7 @@ impl<'a> Lowering<'a> {
         Self {
             source: &kernel.graph,
             target: Graph::new(),
-            done: FxHashMap::default(),
+            done: Table::default(),
             symbols: FxHashMap::default(),
             factors: FxHashMap::default(),
             inverses: FxHashMap::default(),

@@ -61,26 +61,28 @@ pub struct TooLong {
     pub statements: usize,
 }
 
-/// All kernels of the weights, the facet kernels if asked for, and modules of elements, as a formatted file.
+/// All kernels of the weights, the facet kernels if asked for, and modules of `elements`, as a formatted file.
 ///
 /// Weights of one group share kernels, see [`Weight::either`].
 ///
 /// # Errors
-/// [`TooLong`].
-pub fn emit_file(
+/// [`TooLong`], and those of `elements`, which come first.
+pub fn emit_file<E: From<TooLong>>(
     weights: &[Vec<Weight>],
     facets: bool,
-    elements: &[TokenStream],
+    elements: impl FnOnce() -> Result<Vec<TokenStream>, E>,
     options: EmitOptions<'_>,
-) -> Result<String, TooLong> {
+) -> Result<String, E> {
     let EmitOptions { support, bases, .. } = options;
     let constants = bases.iter().filter_map(|basis| custom_basis(*basis, support));
     let before = items(&quote!(#(#constants)*));
     let after = || {
         let facets = facets.then(|| facet_module(support));
-        items(&quote!(#facets #(#elements)*))
+        let elements = elements()?;
+        Ok(items(&quote!(#facets #(#elements)*)))
     };
-    let (modules, after) = side_by_side(weights, options, after);
+    let (modules, after): (_, Result<String, E>) = side_by_side(weights, options, after);
+    let after = after?;
     Ok(format!("{HEADER}\n{before}{}{after}", modules?.concat()))
 }
 

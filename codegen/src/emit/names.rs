@@ -1,11 +1,12 @@
 //! Identifiers for expressions: their names in the formulas, made unique.
 
-use rustc_hash::{FxHashMap, FxHashSet};
+use rustc_hash::FxHashSet;
 
 use proc_macro2::Ident;
 use quote::format_ident;
 
 use crate::graph::{ExprId, Function, Graph, Op};
+use crate::table::Table;
 
 /// Longest name put together from operands.
 const MOST_CHARACTERS: usize = 14;
@@ -13,7 +14,7 @@ const MOST_CHARACTERS: usize = 14;
 /// Names given so far in one function.
 #[derive(Default)]
 pub(super) struct Names {
-    given: FxHashMap<ExprId, Ident>,
+    given: Table<ExprId, Ident>,
     taken: FxHashSet<String>,
 }
 

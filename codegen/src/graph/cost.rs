@@ -1,6 +1,6 @@
 //! An estimate of what expressions cost to evaluate.
 
-use rustc_hash::{FxHashMap, FxHashSet};
+use rustc_hash::FxHashSet;
 
 use super::{ExprId, Graph, Op};
 
@@ -21,10 +21,11 @@ impl Graph {
 
     /// About how many operations the expressions take together. A product that all its users add to something is free there.
     pub(crate) fn operations(&self, exprs: &[ExprId]) -> usize {
-        let mut reachable = FxHashSet::default();
+        let (mut reachable, mut is_reached) = (Vec::new(), vec![false; self.len()]);
         let mut open = exprs.to_vec();
         while let Some(x) = open.pop() {
-            if reachable.insert(x) {
+            if !std::mem::replace(&mut is_reached[x.index()], true) {
+                reachable.push(x);
                 open.extend(self.dependencies(x));
             }
         }
@@ -33,20 +34,19 @@ impl Graph {
             _ => x,
         };
         // Uses of a product, and how many of them are additions that take no other product in.
-        let mut uses: FxHashMap<ExprId, usize> = FxHashMap::default();
-        let mut fused: FxHashMap<ExprId, usize> = FxHashMap::default();
+        let (mut uses, mut fused) = (vec![0_u32; self.len()], vec![0_u32; self.len()]);
         for &x in reachable.iter().filter(|&&x| !matches!(self.op(x), Op::Neg(_))) {
             let operands: Vec<ExprId> = self.dependencies(x).into_iter().map(positive).collect();
-            operands.iter().for_each(|&y| *uses.entry(y).or_insert(0) += 1);
+            operands.iter().for_each(|&y| uses[y.index()] += 1);
             if let (Op::Add(..), Some(&product)) =
                 (self.op(x), operands.iter().filter(|&&y| matches!(self.op(y), Op::Mul(..))).max())
             {
-                *fused.entry(product).or_insert(0) += 1;
+                fused[product.index()] += 1;
             }
         }
         let cost = |x: ExprId| match self.op(x) {
             Op::Constant(_) | Op::Symbol(_) | Op::Neg(_) => 0,
-            Op::Mul(..) => usize::from(uses.get(&x) != fused.get(&x) || exprs.contains(&x)),
+            Op::Mul(..) => usize::from(uses[x.index()] != fused[x.index()] || exprs.contains(&x)),
             Op::Power(_, exponent) => exponent.unsigned_abs().ilog2() as usize + usize::from(exponent < 0),
             _ => 1,
         };

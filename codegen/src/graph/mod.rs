@@ -20,6 +20,8 @@ mod substitute;
 
 use rustc_hash::FxHashMap;
 
+use crate::table::Table;
+
 pub use polynomial::Polynomial;
 pub use structured::{Iteration, Limits, Root, Solve, SymmetricSystem};
 
@@ -212,13 +214,13 @@ pub(crate) const NODE_INDEX: &str = "node_index";
 pub struct Graph {
     ops: Vec<Op>,
     scopes: Vec<Scope>,
-    interned: FxHashMap<Op, ExprId>,
+    interned: Table<Op, ExprId>,
     /// Products by their sorted factors, so that (w a) b and w (a b) are one expression.
-    products: FxHashMap<Vec<ExprId>, ExprId>,
+    products: Table<Vec<ExprId>, ExprId>,
     /// Of each expression, if it has one.
     names: Vec<Option<String>>,
     symbols: Vec<Symbol>,
-    derivatives: FxHashMap<(ExprId, SymbolId), ExprId>,
+    derivatives: Table<(ExprId, SymbolId), ExprId>,
     polynomials: Vec<Polynomial>,
     systems: Vec<SymmetricSystem>,
     solves: Vec<Solve>,

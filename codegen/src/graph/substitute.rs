@@ -1,8 +1,7 @@
 //! Substitution of expressions for symbols.
 
-use rustc_hash::FxHashMap;
-
 use super::{ExprId, Graph, Op, SymbolId};
+use crate::table::Table;
 
 impl Graph {
     /// `expr` with every listed symbol replaced. Expressions are rebuilt with all simplifications, so a symbol
@@ -17,7 +16,7 @@ impl Graph {
         if replacements.is_empty() {
             return exprs.to_vec();
         }
-        let mut done = FxHashMap::default();
+        let mut done = Table::default();
         exprs.iter().map(|&expr| self.substituted(expr, replacements, &mut done)).collect()
     }
 
@@ -31,7 +30,7 @@ impl Graph {
         &mut self,
         expr: ExprId,
         replacements: &[(SymbolId, ExprId)],
-        done: &mut FxHashMap<ExprId, ExprId>,
+        done: &mut Table<ExprId, ExprId>,
     ) -> ExprId {
         if let Some(&known) = done.get(&expr) {
             return known;

@@ -8,7 +8,7 @@ use diffuse_contact::surface::SymmetryPlane;
 use diffuse_contact::{FrameDerivative, Weight};
 use serde::Serialize;
 
-use crate::arguments::named;
+use crate::arguments::{named, named_or_left_out};
 use crate::error::CliError;
 
 /// What can be said about the element.
@@ -18,7 +18,7 @@ pub struct ElementArguments {
     #[arg(long, value_enum, default_value_t = ElementName::Diffuse)]
     pub element: ElementName,
     /// Weight of the smooth surface [default: cubic]
-    #[arg(long, value_parser = named(Weight::ALL, Weight::name))]
+    #[arg(long, value_parser = named_or_left_out(Weight::ALL, Weight::name, (Weight::LEFT_OUT, "interpolating")))]
     pub weight: Option<Weight>,
     /// What the local frame of the smooth surface does while differentiating [default: co-moving]
     #[arg(long, value_parser = named([FrameDerivative::CoMoving, FrameDerivative::Held], frame_name))]

@@ -17,6 +17,22 @@ pub fn named<T: Copy + Send + Sync + 'static, const COUNT: usize>(
     })
 }
 
+/// The same, with names that other builds have, with a Cargo feature: they are refused with the feature's name.
+pub fn named_or_left_out<T: Copy + Send + Sync + 'static, const COUNT: usize>(
+    all: [T; COUNT],
+    name: fn(T) -> &'static str,
+    (left_out, feature): (&'static [&'static str], &'static str),
+) -> impl TypedValueParser<Value = T> {
+    PossibleValuesParser::new(all.map(name).into_iter().chain(left_out.iter().copied())).try_map(
+        move |given| {
+            let found = all.into_iter().find(|&choice| name(choice) == given);
+            found.ok_or_else(|| {
+                format!("this program is built without it: build it with --features {feature}")
+            })
+        },
+    )
+}
+
 /// Prints help and version as clap lays them out, and a wrong argument as one sentence.
 pub fn answer(answer: &clap::Error) -> ExitCode {
     if !answer.use_stderr() {
@@ -62,12 +78,31 @@ mod tests {
         #[arg(long, value_enum)]
         #[allow(dead_code, reason = "it is parsed, and refused")]
         kind: Option<Kind>,
+        #[arg(long, value_parser = named_or_left_out([1, 2], name, (&["three"], "threes")))]
+        number: Option<usize>,
+    }
+
+    fn name(number: usize) -> &'static str {
+        ["one", "two"][number - 1]
     }
 
     #[derive(Clone, Debug, ValueEnum)]
     enum Kind {
         One,
         Other,
+    }
+
+    #[test]
+    fn a_name_of_other_builds_is_refused_with_its_feature() {
+        let number =
+            |name| Arguments::try_parse_from(["program", "--number", name]).map(|given| given.number);
+        assert_eq!(number("two").unwrap(), Some(2));
+        assert_eq!(
+            one_sentence(&number("three").unwrap_err().render().to_string()),
+            "invalid value 'three' for '--number <NUMBER>': this program is built without it: build it with --features threes (see --help)"
+        );
+        let error = number("four").unwrap_err().render().to_string();
+        assert!(error.contains("[possible values: one, two, three]"), "{error}");
     }
 
     #[test]

@@ -49,6 +49,10 @@ impl Weight {
     #[cfg(not(feature = "interpolating"))]
     pub const ALL: [Self; 2] = [Self::Cubic, Self::WendlandC2];
 
+    /// Names of weights that this build does without: they need the Cargo feature `interpolating`.
+    pub const LEFT_OUT: &'static [&'static str] =
+        if cfg!(feature = "interpolating") { &[] } else { &["cubic-interpolating"] };
+
     /// Whether the surface passes through the master nodes.
     #[must_use]
     pub const fn is_interpolating(self) -> bool {

@@ -213,7 +213,7 @@ fn evaluated(input: &ElementInput, backend: &dyn Backend) -> Result<Evaluated, R
     let element = Element::new(slave, &masters, frame, support_radius)
         .with_domains(input.support_radii.as_deref().map_or(Domains::Shared, Domains::Each))
         .with_basis(basis)
-        .with_weight(input.weight());
+        .with_weight(input.weight);
     element.validate()?;
     answer(&element, None, input, backend)
 }
@@ -263,7 +263,7 @@ fn with_domains(
     }
     let Coordinates(outward) = input.outward.ok_or(Refusal::MissingOutward)?;
     let (slave, basis) = (input.slave.0, input.basis());
-    let found = MaterialPlace::find(slave, masters, domains, |r| input.weight().fitting(r), outward);
+    let found = MaterialPlace::find(slave, masters, domains, |r| input.weight.fitting(r), outward);
     let found = found.map_err(|error| match error {
         ElementError::NotMaterialPlace { .. } | ElementError::NoAveragePlane { .. } => {
             Refusal::NoPlace(error)
@@ -284,7 +284,7 @@ fn with_domains(
     let element = Element::new(slave, masters, found.frame, farthest)
         .with_domains(Domains::Material(&nodes))
         .with_basis(basis)
-        .with_weight(input.weight());
+        .with_weight(input.weight);
     element.validate()?;
     answer(&element, Some(found.place), input, backend)
 }
@@ -308,7 +308,7 @@ fn frame(input: &ElementInput, masters: &[Point]) -> Result<Frame, Refusal> {
             let outward = outward.ok_or(Refusal::MissingOutward)?;
             let plane = match &input.support_radii {
                 Some(radii) => {
-                    let weight = |r| input.weight().fitting(r);
+                    let weight = |r| input.weight.fitting(r);
                     Frame::moving_plane(input.slave.0, masters, radii, weight, 1.0, outward)?
                 }
                 None => Frame::average_plane(masters, outward)?,

@@ -28,7 +28,7 @@ use std::fmt;
 
 use diffuse_contact::{Basis, FrameDerivative, Point, Weight};
 use serde::de::value::MapAccessDeserializer;
-use serde::de::{Deserialize, Deserializer, MapAccess, Unexpected, Visitor};
+use serde::de::{Deserialize, Deserializer, Error, MapAccess, Unexpected, Visitor};
 
 use crate::error::CliError;
 use crate::json::{self, BasisName, Coordinates, Object};
@@ -71,8 +71,8 @@ pub struct ElementInput {
     /// Basis of the fit; quadratic from six masters on, linear below, if left out.
     basis: Option<BasisName>,
     /// Weight of the fit; `cubic` if left out.
-    #[serde(default)]
-    weight: WeightInput,
+    #[serde(default, deserialize_with = "weight")]
+    pub weight: Weight,
     /// Penalty ε of the force and the tangent; 1 if left out.
     #[serde(default = "unit_penalty")]
     pub penalty: f64,
@@ -116,15 +116,6 @@ impl ElementInput {
             Some(basis) => basis.into(),
             None if self.masters.len() >= Basis::Quadratic.size() => Basis::Quadratic,
             None => Basis::Linear,
-        }
-    }
-
-    /// The weight asked for.
-    pub fn weight(&self) -> Weight {
-        match self.weight {
-            WeightInput::Cubic => Weight::Cubic,
-            WeightInput::CubicInterpolating => Weight::CubicInterpolating,
-            WeightInput::WendlandC2 => Weight::WendlandC2,
         }
     }
 }
@@ -217,13 +208,25 @@ enum FrameDerivativeInput {
     CoMoving,
 }
 
-#[derive(Clone, Copy, Debug, Default, serde::Deserialize)]
+#[derive(Clone, Copy, Debug, serde::Deserialize)]
 #[serde(rename_all = "kebab-case")]
 enum WeightInput {
-    #[default]
     Cubic,
     CubicInterpolating,
     WendlandC2,
+}
+
+/// A weight by its name.
+fn weight<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Weight, D::Error> {
+    let name = match WeightInput::deserialize(deserializer)? {
+        WeightInput::Cubic => "cubic",
+        WeightInput::CubicInterpolating => "cubic-interpolating",
+        WeightInput::WendlandC2 => "wendland-c2",
+    };
+    let found = Weight::ALL.into_iter().find(|weight| weight.name() == name);
+    found.ok_or_else(|| {
+        D::Error::custom(format!("{name} needs a program built with --features interpolating"))
+    })
 }
 
 /// Reads a document, or says in one sentence where it departs from the schema.
@@ -249,7 +252,7 @@ mod tests {
         assert_eq!((element.outward, element.support_radius), (None, None));
         assert_eq!(element.frame, FrameInput::AveragePlane);
         assert_eq!(element.frame_derivative(), FrameDerivative::CoMoving);
-        assert_eq!((element.basis(), element.weight()), (Basis::Linear, Weight::Cubic));
+        assert_eq!((element.basis(), element.weight), (Basis::Linear, Weight::Cubic));
         assert_eq!(element.penalty, 1.0);
     }
 

@@ -116,6 +116,16 @@ pub enum Problem {
         /// All known words.
         known: Vec<String>,
     },
+    /// A word that only other builds know.
+    #[error("{field} can be {word:?} in a program built with --features {feature}")]
+    LeftOut {
+        /// The field.
+        field: String,
+        /// The word.
+        word: String,
+        /// The Cargo feature.
+        feature: &'static str,
+    },
     /// A field without meaning beside another, or without it.
     #[error("{field} has no meaning {reason}")]
     Meaningless {

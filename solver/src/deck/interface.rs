@@ -159,7 +159,8 @@ fn surface(section: &Section) -> Result<InterfaceOptions, DeckError> {
     options.element = ContactElement::diffuse(search);
     if let Some(field) = section.get("weight") {
         let weights = Weight::ALL.map(|weight| (weight.name(), weight));
-        options.element = options.element.with_weight(field.word(&weights)?);
+        let left_out = (Weight::LEFT_OUT, "interpolating");
+        options.element = options.element.with_weight(field.word_or_left_out(&weights, left_out)?);
     }
     if let Some(field) = section.get("frame") {
         let frames = [("co-moving", FrameDerivative::CoMoving), ("held", FrameDerivative::Held)];

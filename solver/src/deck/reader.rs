@@ -213,6 +213,19 @@ impl<'a> Field<'a> {
         Err(self.error(Problem::UnknownWord { field: self.name.clone(), word, nearest, known }))
     }
 
+    /// The same, where builds with a Cargo feature know more words.
+    pub fn word_or_left_out<T: Copy>(
+        &self,
+        words: &[(&str, T)],
+        (left_out, feature): (&[&str], &'static str),
+    ) -> Result<T, DeckError> {
+        let word = self.text()?;
+        if left_out.contains(&word.as_str()) {
+            return Err(self.error(Problem::LeftOut { field: self.name.clone(), word, feature }));
+        }
+        self.word(words)
+    }
+
     /// The members of a list.
     pub fn list(&self, expected: &str) -> Result<Vec<Field<'a>>, DeckError> {
         let items = self.value.as_array().ok_or_else(|| self.wrong_type(expected))?;
@@ -269,5 +282,29 @@ impl<'a> Field<'a> {
         let table = self.value.as_table().ok_or_else(|| self.wrong_type("a table"))?;
         let (name, prefix) = (format!("[{}]", self.name), format!("{}.", self.name));
         Ok(Section { source: self.source, name, prefix, at: self.at.start, table })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_word_of_other_builds_is_refused_with_its_feature() {
+        let read = |text: &str| {
+            let table = DeTable::parse(text).unwrap();
+            let (_, value) = table.get_ref().iter().next().unwrap();
+            let source = Source { text, path: Path::new("deck.toml") };
+            let (name, at) = ("interface[1].weight".to_owned(), value.span());
+            let field = Field { source, name, at, value: value.get_ref() };
+            field
+                .word_or_left_out(&[("one", 1), ("two", 2)], (&["three"], "threes"))
+                .map_err(|error| error.to_string())
+        };
+        assert_eq!(read("weight = \"two\""), Ok(2));
+        let refused = read("\nweight = \"three\"").unwrap_err();
+        let expected = "interface[1].weight can be \"three\" in a program built with --features threes";
+        assert!(refused.contains(expected) && refused.contains("line 2"), "{refused}");
+        assert!(read("weight = \"four\"").unwrap_err().contains("cannot be \"four\""));
     }
 }

@@ -21,7 +21,8 @@ use crate::window::{WINDOWS, dc_window};
 /// known. The history of friction names nodes by their numbers in the whole surfaces, as dc_window_names: two points of each node.
 ///
 /// DC_BAD_OPTION without a `distance_limit`, and for windows of other options or planes of symmetry. dc_faces_set_symmetry and
-/// dc_faces_add_quadratic are DC_BAD_OPTION, too, with the message "in-window"; dc_faces_add_quadratic_by_number is for windows. On failure the handle is NULL.
+/// dc_faces_add_quadratic are DC_BAD_OPTION, too, with the message "in-window"; dc_faces_add_quadratic_by_number is for windows.
+/// On failure the handle is NULL.
 ///
 /// # Safety
 /// `positions` has 3 `node_count` entries, `options` as many bytes as its field `size` says; `faces` may be written.

@@ -436,8 +436,7 @@ impl FaceInterface {
     ///
     /// # Errors
     /// [`InterfaceError::NotRefreshed`] before the first refresh or update; [`InterfaceError::Law`]; [`InterfaceError::OutOfMemory`], after
-    /// which there are no contacts. A law with friction needs a state that
-    /// was [accepted](Self::accept) before nodes carry pressure.
+    /// which there are no contacts. A law with friction needs a state that was [accepted](Self::accept) before nodes carry pressure.
     pub fn evaluate(&mut self, law: &ContactLaw<'_>, mode: Mode) -> Result<&FaceContacts, InterfaceError> {
         law.validate(self.nodes.len())?;
         if self.cut_at.is_none() {

@@ -19,7 +19,8 @@ impl FaceContacts {
     ///
     /// # Errors
     /// [`AssemblyError::OutputLength`], [`AssemblyError::UnknownNode`], [`AssemblyError::NotDerived`]: `product` is then unchanged.
-    /// [`AssemblyError::NonFiniteEntry`], [`AssemblyError::Overflow`] if an entry of `v` or of the sum is not finite; the contents of `product` are then unspecified.
+    /// [`AssemblyError::NonFiniteEntry`], [`AssemblyError::Overflow`] if an entry of `v` or of the sum is not finite; the contents of
+    /// `product` are then unspecified.
     pub fn add_product(
         &self,
         tangent: Tangent,

@@ -36,7 +36,7 @@ pub enum InterfaceError {
     /// Symmetry planes need masters that are found by their domains of influence, or facets.
     #[error("symmetry planes need the neighbour rule \"domains\": other rules have no mirror images")]
     NoSymmetry,
-    /// A step is accepted before any slave was paired: all would be without friction.
+    /// Contacts are evaluated, or a step is accepted, before any slave was paired.
     #[error("the slaves have not been paired: call a refresh first")]
     NotRefreshed,
     /// Contact over faces with the diffuse element has nodal domains only: other rules would change the gap in every iteration.

@@ -3,6 +3,7 @@
  * An interface is a master surface of facets, slave nodes, and their pairing:
  *
  *     dc_create                   positions, facets, slaves               once
+ *     dc_create_self_contact      the same of a surface that touches itself
  *     dc_set_symmetry             planes in which everything is mirrored  once, if there are any
  *     dc_refresh                  who is paired with whom                 once an increment, or once an iteration
  *     dc_follow, dc_evaluate      the positions of the moment             each iteration
@@ -71,7 +72,7 @@ typedef enum dc_status {
     DC_BAD_SURFACE = 10,
     // A slave is listed twice, lies on the master, or has no slave facet although areas are asked for.
     DC_BAD_SLAVES = 11,
-    // There is no evaluation at the positions and for the pairing of the moment, or one with too few derivatives.
+    // There is no pairing yet, or no evaluation at the positions and for the pairing of the moment, or one with too few derivatives.
     DC_NOT_EVALUATED = 12,
     // The pattern belongs to another pairing or to other equations: make a new one.
     DC_PATTERN_MISMATCH = 13,
@@ -672,9 +673,10 @@ enum dc_status dc_freeze(struct dc_interface *interface);
 enum dc_status dc_thaw(struct dc_interface *interface);
 
 // Evaluates all slaves at the positions of the last dc_update or dc_refresh, in parallel. `mode` is a dc_mode: DC_GRADIENT
-// for forces and tangent, DC_HESSIAN to keep every M, which dc_derivatives and the exact dc_triplets need. The result does not depend on the number of threads, bit for bit.
+// for forces and tangent, DC_HESSIAN to keep every M, which dc_derivatives and the exact dc_triplets need. The result does not depend on
+// the number of threads, bit for bit.
 //
-// DC_TOO_LARGE if there is no memory for the results: there are none then, and the pairing stays.
+// DC_NOT_EVALUATED before the first dc_refresh. DC_TOO_LARGE if there is no memory for the results: there are none then, and the pairing stays.
 enum dc_status dc_evaluate(struct dc_interface *interface,
                            int32_t mode);
 
@@ -968,7 +970,7 @@ enum dc_status dc_map_add(struct dc_map *map,
                           size_t *active_count);
 
 // Makes the tangent K = -dR/dx at the positions of the last dc_update, dc_follow or dc_refresh, over the equations of the moment. It needs
-// no evaluation: what carries force is evaluated for it. It stays what it is when the interface moves on, or is destroyed. With friction
+// no evaluation, but a dc_refresh: what carries force is evaluated for it. It stays what it is when the interface moves on, or is destroyed. With friction
 // K is not symmetric in general; without anchors it is DC_NOT_EVALUATED then.
 //
 // Writes the handle and the number of slaves that carry force, which may be NULL. On failure the handle is NULL.
@@ -1290,8 +1292,8 @@ enum dc_status dc_faces_update(struct dc_faces *faces,
 
 // Gaps, pressures and forces at the positions of the last dc_faces_update or dc_faces_refresh, in parallel. The penalty of `law` is per
 // area, its multipliers are pressures, one for each slave node; its tangent is not looked at. `mode` is a dc_mode: DC_GRADIENT for forces
-// and e F G^T, DC_HESSIAN for the exact tangent. A law with friction needs dc_faces_accept before nodes carry pressure: DC_NOT_EVALUATED.
-// The result does not depend on the number of threads, bit for bit.
+// and e F G^T, DC_HESSIAN for the exact tangent. DC_NOT_EVALUATED before the first dc_faces_refresh or dc_faces_update, and for a law
+// with friction where nodes carry pressure before dc_faces_accept. The result does not depend on the number of threads, bit for bit.
 //
 // # Safety
 // `law` is a dc_law with its `size` set, its multipliers have their number.

@@ -406,8 +406,8 @@ unsafe fn take(
 
 /// Gaps, pressures and forces at the positions of the last dc_faces_update or dc_faces_refresh, in parallel. The penalty of `law` is per
 /// area, its multipliers are pressures, one for each slave node; its tangent is not looked at. `mode` is a dc_mode: DC_GRADIENT for forces
-/// and e F G^T, DC_HESSIAN for the exact tangent. A law with friction needs dc_faces_accept before nodes carry pressure: DC_NOT_EVALUATED.
-/// The result does not depend on the number of threads, bit for bit.
+/// and e F G^T, DC_HESSIAN for the exact tangent. DC_NOT_EVALUATED before the first dc_faces_refresh or dc_faces_update, and for a law
+/// with friction where nodes carry pressure before dc_faces_accept. The result does not depend on the number of threads, bit for bit.
 ///
 /// # Safety
 /// `law` is a dc_law with its `size` set, its multipliers have their number.

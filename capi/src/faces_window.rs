@@ -79,10 +79,11 @@ pub unsafe extern "C" fn dc_faces_add_quadratic_by_number(
         if !state.interface.is_in_window() {
             return state.add_quadratic(more);
         }
-        let mut all = state.by_number.clone();
-        all[place] = joined(&all[place], more)?;
-        state.interface.set_quadratic_faces_by_number(&all[0], &all[1])?;
-        state.by_number = all;
+        let all = joined(&state.by_number[place], more)?;
+        let [master, slave] = &state.by_number;
+        let (master, slave) = if place == 0 { (&all, slave) } else { (master, &all) };
+        state.interface.set_quadratic_faces_by_number(master, slave)?;
+        state.by_number[place] = all;
         state.evaluated = false;
         Ok(())
     })

@@ -441,9 +441,10 @@ fn set_frozen(interface: *mut dc_interface, frozen: bool) -> dc_status {
 }
 
 /// Evaluates all slaves at the positions of the last dc_update or dc_refresh, in parallel. `mode` is a dc_mode: DC_GRADIENT
-/// for forces and tangent, DC_HESSIAN to keep every M, which dc_derivatives and the exact dc_triplets need. The result does not depend on the number of threads, bit for bit.
+/// for forces and tangent, DC_HESSIAN to keep every M, which dc_derivatives and the exact dc_triplets need. The result does not depend on
+/// the number of threads, bit for bit.
 ///
-/// DC_TOO_LARGE if there is no memory for the results: there are none then, and the pairing stays.
+/// DC_NOT_EVALUATED before the first dc_refresh. DC_TOO_LARGE if there is no memory for the results: there are none then, and the pairing stays.
 #[unsafe(no_mangle)]
 pub extern "C" fn dc_evaluate(interface: *mut dc_interface, mode: i32) -> dc_status {
     call(interface, |state| {

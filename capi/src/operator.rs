@@ -16,7 +16,7 @@ pub struct dc_operator;
 static OPERATORS: Registry<TangentOperator> = Registry::new("operator", 5);
 
 /// Makes the tangent K = -dR/dx at the positions of the last dc_update, dc_follow or dc_refresh, over the equations of the moment. It needs
-/// no evaluation: what carries force is evaluated for it. It stays what it is when the interface moves on, or is destroyed. With friction
+/// no evaluation, but a dc_refresh: what carries force is evaluated for it. It stays what it is when the interface moves on, or is destroyed. With friction
 /// K is not symmetric in general; without anchors it is DC_NOT_EVALUATED then.
 ///
 /// Writes the handle and the number of slaves that carry force, which may be NULL. On failure the handle is NULL.

@@ -39,7 +39,7 @@ pub enum dc_status {
     DC_BAD_SURFACE = 10,
     /// A slave is listed twice, lies on the master, or has no slave facet although areas are asked for.
     DC_BAD_SLAVES = 11,
-    /// There is no evaluation at the positions and for the pairing of the moment, or one with too few derivatives.
+    /// There is no pairing yet, or no evaluation at the positions and for the pairing of the moment, or one with too few derivatives.
     DC_NOT_EVALUATED = 12,
     /// The pattern belongs to another pairing or to other equations: make a new one.
     DC_PATTERN_MISMATCH = 13,

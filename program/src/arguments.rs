@@ -26,9 +26,7 @@ pub fn named_or_left_out<T: Copy + Send + Sync + 'static, const COUNT: usize>(
     PossibleValuesParser::new(all.map(name).into_iter().chain(left_out.iter().copied())).try_map(
         move |given| {
             let found = all.into_iter().find(|&choice| name(choice) == given);
-            found.ok_or_else(|| {
-                format!("this program is built without it: build it with --features {feature}")
-            })
+            found.ok_or_else(|| format!("it needs a program built with --features {feature}"))
         },
     )
 }
@@ -99,7 +97,7 @@ mod tests {
         assert_eq!(number("two").unwrap(), Some(2));
         assert_eq!(
             one_sentence(&number("three").unwrap_err().render().to_string()),
-            "invalid value 'three' for '--number <NUMBER>': this program is built without it: build it with --features threes (see --help)"
+            "invalid value 'three' for '--number <NUMBER>': it needs a program built with --features threes (see --help)"
         );
         let error = number("four").unwrap_err().render().to_string();
         assert!(error.contains("[possible values: one, two, three]"), "{error}");

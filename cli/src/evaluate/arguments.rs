@@ -15,7 +15,7 @@ const JSON_FORMATS: &str = r#"IN.json:
              {"origin": [x, y, z], "t1": [x, y, z], "t2": [x, y, z], "normal": [x, y, z]}
     "frame_derivative": "co-moving", the average plane moves with the nodes while differentiating: N and M are
                                      exact; the default, but not for a given frame, which cannot move
-                        "held",    the frame is held; the default for a given frame
+                        "held",      the frame is held; the default for a given frame
     "support_radius": R,             default 1.25 x the farthest in-plane distance of a master; held while
                                      differentiating: give it explicitly to compare with differences
     "support_radii": [R_1, ...],     one for each master: radii of their own domains of influence; the average plane
@@ -29,12 +29,14 @@ const JSON_FORMATS: &str = r#"IN.json:
                                      it; the frame is the average plane, weighted there, and moves
     "basis": "quadratic",            or "linear"; default quadratic from 6 masters on
     "weight": "cubic",               the default, (1 - r)^2 (1 + 2 r), or
-              "cubic-interpolating", the same made interpolating: the surface passes through the masters, or
+              "cubic-interpolating", the same made interpolating: the surface passes through the masters (in a program
+                                     built with --features interpolating), or
               "wendland-c2",         (1 - r)^4 (1 + 4 r)
     "penalty": 1.0,                  the default
     "anchor": [x, y, z],             where the place is that the slip is measured from; without it there is no slip
     "friction": {"coefficient": 0.3, "stiffness": 1.0, "shear_limit": 2.0}
-                                     Coulomb's, force per length in stick; needs the anchor; no limit if left out
+                                     Coulomb's, force per length in stick; needs the anchor and a program built with
+                                     --features friction; no limit if left out
   }, ...]}
 
 OUT.json, in the same order; vectors and rows over slave, master 1, ... master n, global axes:

@@ -223,10 +223,13 @@ fn weight<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Weight, D::Error
         WeightInput::CubicInterpolating => "cubic-interpolating",
         WeightInput::WendlandC2 => "wendland-c2",
     };
-    let found = Weight::ALL.into_iter().find(|weight| weight.name() == name);
-    found.ok_or_else(|| {
-        D::Error::custom(format!("{name} needs a program built with --features interpolating"))
-    })
+    named(&Weight::ALL, name).map_err(D::Error::custom)
+}
+
+/// The weight among those of this build.
+fn named(built: &[Weight], name: &str) -> Result<Weight, String> {
+    let found = built.iter().find(|weight| weight.name() == name).copied();
+    found.ok_or_else(|| format!("{name} needs a program built with --features interpolating"))
 }
 
 /// Reads a document, or says in one sentence where it departs from the schema.
@@ -237,6 +240,18 @@ pub fn parse(file: &str, text: &[u8]) -> Result<Document, CliError> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_weight_of_other_builds_is_refused_with_its_feature() {
+        let built = [Weight::Cubic, Weight::WendlandC2];
+        assert_eq!(named(&built, "wendland-c2"), Ok(Weight::WendlandC2));
+        assert!(named(&built, "cubic-interpolating").unwrap_err().contains("--features interpolating"));
+        // Every name that the schema has is that of a weight, or of one left out.
+        let of_schema = ["cubic", "cubic-interpolating", "wendland-c2"];
+        let known: Vec<&str> =
+            Weight::ALL.map(Weight::name).iter().chain(Weight::LEFT_OUT).copied().collect();
+        assert!(known.len() == of_schema.len() && of_schema.iter().all(|name| known.contains(name)));
+    }
 
     fn refusal(text: &str) -> String {
         parse("in.json", text.as_bytes()).unwrap_err().to_string()

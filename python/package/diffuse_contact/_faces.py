@@ -118,7 +118,8 @@ class FaceInterface(FrictionHistory):
             nodes may be on the master. None: the master is in contact with itself, and its nodes are the slaves; the
             penalty is half of that between two surfaces then.
         positions: first positions of all nodes, shape (p, 3), length.
-        degree: 2 or 4, of the polynomials integrated exactly on each piece of a face.
+        degree: 2 or 4, of the polynomials integrated exactly on each piece of a face; 4 always for pieces between a
+            quadrilateral of second order and what lies over it.
         dofs: equations of the nodes' x, y and z, shape (p, 3), −1 where there is none; if left out, 3·node + axis.
         equations: number of equations; if left out, 3p, or the largest of ``dofs`` plus 1.
         symmetry: planes of symmetry of both surfaces, pairs of a point and the unit normal to the side of the model.
@@ -196,8 +197,8 @@ class FaceInterface(FrictionHistory):
 
         Raises:
             InterfaceError: ``"other-than-window"`` for other options, without a limit of the distance, or where planes
-                of symmetry differ; ``"incomplete-window"`` for a window with something missing; ``"in-window"`` later
-                for what takes the whole.
+                of symmetry differ; ``"incomplete-window"`` for a window with something missing; ``"repeated-node"`` for
+                a node twice in a face; ``"in-window"`` later for what takes the whole.
 
         """
         made = cls.__new__(cls)
@@ -283,8 +284,8 @@ class FaceInterface(FrictionHistory):
                 ``"hessian"`` for the exact tangent.
 
         Raises:
-            InterfaceError: for the penalty or multipliers, or if the results do not fit into memory; ``"no-slip"`` for
-                friction before the first ``accept``.
+            InterfaceError: ``"not-refreshed"`` before the first refresh or update; for the penalty or multipliers, or
+                if the results do not fit into memory; ``"no-slip"`` for friction before the first ``accept``.
             AssemblyError: for a coefficient or a stiffness that is none.
 
         """

@@ -259,6 +259,8 @@ class ContactInterface(FrictionHistory):
 
         Raises:
             InterfaceError: for positions, options and planes of symmetry that are refused.
+            AssemblyError: for ``dofs`` that name an equation twice or one that does not exist.
+            InputError: for a wrong shape, type or name.
 
         """
         made = cls.__new__(cls)
@@ -629,7 +631,7 @@ class ContactInterface(FrictionHistory):
 
         Raises:
             AssemblyError: for the penalty, multipliers or friction; ``"no-slip"`` before the first ``accept``.
-            InterfaceError: if it does not fit into memory.
+            InterfaceError: ``"not-refreshed"`` before the first refresh; if it does not fit into memory.
 
         """
         law = law_of(penalty, multipliers, tangent, friction, normal)

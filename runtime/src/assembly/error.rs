@@ -234,14 +234,10 @@ pub enum AssemblyError {
 }
 
 impl AssemblyError {
-    /// Of a product with `v` that is not finite: the fault of `v` if an entry of it is not.
-    pub(crate) fn of_product(self, v: &[f64]) -> Self {
-        match (v.iter().position(|x| !x.is_finite()), &self) {
-            (Some(equation), Self::Overflow { .. }) => {
-                Self::NonFiniteEntry { what: "v", equation, value: v[equation] }
-            }
-            _ => self,
-        }
+    /// Whether all entries of a vector are finite.
+    pub(crate) fn check_finite(what: &'static str, v: &[f64]) -> Result<(), Self> {
+        let entry = v.iter().position(|x| !x.is_finite());
+        entry.map_or(Ok(()), |equation| Err(Self::NonFiniteEntry { what, equation, value: v[equation] }))
     }
 
     /// Stable machine-readable code.

@@ -113,7 +113,7 @@ impl TangentOperator {
     /// carries force is derived. A law with friction takes an interface with [anchors](ContactInterface::accept).
     ///
     /// # Errors
-    /// Every reason for which the law is refused, [`AssemblyError::NoSlip`] where friction has no anchors, and
+    /// [`InterfaceError::NotRefreshed`] before the first refresh; every reason for which the law is refused, [`AssemblyError::NoSlip`] where friction has no anchors, and
     /// [`AssemblyError::UnknownNode`], as [`InterfaceError::Law`]; [`InterfaceError::OutOfMemory`].
     pub fn new(
         interface: &ContactInterface,
@@ -143,6 +143,7 @@ impl TangentOperator {
         law: &ContactLaw<'_>,
         dofs: &DofMap,
     ) -> Result<Self, InterfaceError> {
+        interface.check_refreshed()?;
         let count = interface.slaves().len();
         let starts: Vec<usize> = (0..count).step_by(AT_ONCE).collect();
         let of_range = |start: usize| -> Result<(Part, Vec<Element>), InterfaceError> {
@@ -250,8 +251,8 @@ impl TangentOperator {
     /// number of threads, bit for bit. It differs from that of the assembled matrix by rounding.
     ///
     /// # Errors
-    /// [`AssemblyError::OutputLength`]; `product` is then unchanged. [`AssemblyError::NonFiniteEntry`] if one of `v` is not finite,
-    /// [`AssemblyError::Overflow`] if one of the sum is not; its contents are then unspecified.
+    /// [`AssemblyError::OutputLength`], and [`AssemblyError::NonFiniteEntry`] for an entry of `v` that is not finite; `product` is then
+    /// unchanged. [`AssemblyError::Overflow`] if a sum is not finite; its contents are then unspecified.
     pub fn add_product(&mut self, v: &[f64], product: &mut [f64]) -> Result<(), AssemblyError> {
         self.add_product_of(Side::Right, v, product)
     }
@@ -267,6 +268,7 @@ impl TangentOperator {
     fn add_product_of(&mut self, side: Side, v: &[f64], product: &mut [f64]) -> Result<(), AssemblyError> {
         self.check_length("entries of v", v.len())?;
         self.check_length("products", product.len())?;
+        AssemblyError::check_finite("v", v)?;
         let entry = |&equation: &usize| if equation == NONE { 0.0 } else { v[equation] };
         self.moves
             .par_iter_mut()
@@ -276,7 +278,7 @@ impl TangentOperator {
         let (moves, rotations) = (&self.moves, &self.rotations);
         let slots = split(&self.parts, &mut self.contributions);
         slots.into_par_iter().for_each(|(part, target)| part.multiply(side, moves, rotations, target));
-        self.add_sums("products", product).map_err(|error| error.of_product(v))
+        self.add_sums("products", product)
     }
 
     /// Adds the diagonal of K to `diagonal`: one entry per equation.

@@ -367,7 +367,7 @@ impl FaceInterface {
         let mut points = Vec::new();
         let unplaced = cut(&face, &first, functions, index, cutting, scratch, &mut points);
         let carrying = |point: &FacePoint| &self.carriers.facets[point.facet as usize];
-        let unknown = points.iter().find(|point| matches!(carrying(point), Carrying::Beyond));
+        let unknown = points.iter().find(|point| matches!(carrying(point), Carrying::Beyond(_)));
         let beyond = unknown.and_then(|point| Some(self.window.as_ref()?.beside(&index.shape(point.facet))));
         if beyond.is_some() {
             CutFace { beyond, ..CutFace::default() }

@@ -18,9 +18,9 @@ impl FaceContacts {
     /// result is the same for any number of threads, bit for bit, and differs from that of the assembled matrix by rounding.
     ///
     /// # Errors
-    /// [`AssemblyError::OutputLength`], [`AssemblyError::UnknownNode`], [`AssemblyError::NotDerived`]: `product` is then unchanged.
-    /// [`AssemblyError::NonFiniteEntry`], [`AssemblyError::Overflow`] if an entry of `v` or of the sum is not finite; the contents of
-    /// `product` are then unspecified.
+    /// [`AssemblyError::OutputLength`], [`AssemblyError::UnknownNode`], [`AssemblyError::NotDerived`], and
+    /// [`AssemblyError::NonFiniteEntry`] for an entry of `v` that is not finite: `product` is then unchanged.
+    /// [`AssemblyError::Overflow`] if a sum is not finite; the contents of `product` are then unspecified.
     pub fn add_product(
         &self,
         tangent: Tangent,
@@ -34,6 +34,7 @@ impl FaceContacts {
                 return Err(AssemblyError::OutputLength { what, found, expected });
             }
         }
+        AssemblyError::check_finite("v", v)?;
         self.check(dofs, if tangent == Tangent::Exact { Mode::Hessian } else { Mode::Gradient })?;
         let moves = |nodes: &[u32]| -> Vec<f64> {
             let of_node = |&node: &u32| [0, 1, 2].map(|axis| dofs.equation(node as usize, axis));
@@ -58,7 +59,7 @@ impl FaceContacts {
                     let Some(equation) = dofs.equation(node as usize, axis) else { continue };
                     product[equation] += sum;
                     if !product[equation].is_finite() {
-                        return Err(AssemblyError::Overflow { what: "products", equation }.of_product(v));
+                        return Err(AssemblyError::Overflow { what: "products", equation });
                     }
                 }
             }

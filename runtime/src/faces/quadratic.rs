@@ -95,8 +95,8 @@ pub(super) enum Carrying {
     Facet(Facet),
     /// The face, and where in it the facet's centre is.
     Face(QuadraticFace, [f64; 2]),
-    /// A face with nodes beyond the window.
-    Beyond,
+    /// A face with nodes beyond the window, and whether it is a quadrilateral.
+    Beyond(bool),
 }
 
 impl Carrying {
@@ -105,7 +105,7 @@ impl Carrying {
         match self {
             Self::Facet(facet) => facet.corners(),
             Self::Face(face, _) => face.nodes(),
-            Self::Beyond => &[],
+            Self::Beyond(_) => &[],
         }
     }
 
@@ -129,7 +129,7 @@ impl Carrying {
                 }
                 carried_by_quadratic(&nodes[..face.count], *start, point, force, mode)
             }
-            Self::Beyond => None,
+            Self::Beyond(_) => None,
         }
     }
 
@@ -150,7 +150,7 @@ impl Carrying {
                     *function = Vector3::from(part).dot(&along);
                 }
             }
-            Self::Beyond => return None,
+            Self::Beyond(_) => return None,
         }
         Some(functions)
     }
@@ -182,7 +182,7 @@ impl Carriers {
                 Some((*face, sum.map(|x| x / corners.len() as f64)))
             });
             match found {
-                Some((face, _)) if face.nodes().contains(&BEYOND) => Carrying::Beyond,
+                Some((face, _)) if face.nodes().contains(&BEYOND) => Carrying::Beyond(face.count > 6),
                 Some((face, start)) => Carrying::Face(face, start),
                 None => Carrying::Facet(facet),
             }
@@ -198,8 +198,11 @@ impl Carriers {
     /// The rule that a uniform pressure needs between a face and a facet: the shape functions of quadrilaterals with 8 and 9 nodes have
     /// the third and fourth degree.
     pub fn rule(&self, (face, facet): (usize, u32), wanted: FaceRule) -> FaceRule {
-        let is_quadrilateral =
-            |carrying: &Carrying| matches!(carrying, Carrying::Face(face, _) if face.count > 6);
+        let is_quadrilateral = |carrying: &Carrying| match carrying {
+            Carrying::Facet(_) => false,
+            Carrying::Face(face, _) => face.count > 6,
+            Carrying::Beyond(is_quadrilateral) => *is_quadrilateral,
+        };
         let both = [&self.faces[face], &self.facets[facet as usize]];
         if both.into_iter().any(is_quadrilateral) { FaceRule::Fourth } else { wanted }
     }

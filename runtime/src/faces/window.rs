@@ -137,7 +137,8 @@ impl FaceInterface {
 
     /// As [`set_quadratic_faces`](Self::set_quadratic_faces), for windows too: faces of the master and of the slave, whose nodes are numbers
     /// in the whole surfaces. Hand over all faces that have a node in the window; more do no harm. Where forces would act on a node that
-    /// the window does not have, the outcome is [`NoContact::BeyondWindow`].
+    /// the window does not have, the outcome is [`NoContact::BeyondWindow`]. In an interface of the whole surfaces numbers are indices of
+    /// positions, and sides make no difference.
     ///
     /// # Errors
     /// [`InterfaceError::Surface`] for a node twice in a face; of the whole surfaces, as there. The interface is then as it was.
@@ -158,7 +159,7 @@ impl FaceInterface {
         }
         self.carriers = Carriers::new(&self.faces, self.interface.master(), &known);
         let unknown = |(face, carrying): (&Facet, &Carrying)| {
-            let is_beyond = matches!(carrying, Carrying::Beyond);
+            let is_beyond = matches!(carrying, Carrying::Beyond(_));
             is_beyond.then(|| beside(&window.slave, &shape_of(face, &self.first)))
         };
         window.of_carriers = self.faces.iter().zip(&self.carriers.faces).map(unknown).collect();

@@ -149,6 +149,7 @@ impl ContactInterface {
         }
         self.check_accepted(law)?;
         let Some(committed) = &self.anchors else { return Ok((None, vec![0.0; self.slaves().len()])) };
+        self.check_refreshed()?;
         let rounds = self.evaluator().augment(&self.pairings, law, moves, &self.elements)?;
         let errors = rounds.iter().map(|round| round.as_ref().map_or(0.0, |round| round.error)).collect();
         let next = rounds.into_iter().zip(committed).map(|(round, committed)| match round {

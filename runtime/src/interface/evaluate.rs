@@ -42,7 +42,7 @@ impl ContactInterface {
     }
 
     /// Whether slaves have been paired since the interface was made, or got planes of symmetry.
-    pub(super) fn check_refreshed(&self) -> Result<(), InterfaceError> {
+    pub(crate) fn check_refreshed(&self) -> Result<(), InterfaceError> {
         let records = &self.pairings.records;
         let is_paired =
             records.is_empty() || records.iter().any(|record| !matches!(record, Err(NoContact::NotPaired)));

@@ -100,8 +100,9 @@ impl ContactInterface {
     /// the foot needs beside [`evaluate`](Self::evaluate). The same for any number of threads.
     ///
     /// # Errors
-    /// [`InterfaceError::OutOfMemory`]: 18 (n + 1) + n numbers for each slave.
+    /// [`InterfaceError::NotRefreshed`] before the first refresh; [`InterfaceError::OutOfMemory`]: 18 (n + 1) + n numbers for each slave.
     pub fn foot_derivatives(&self) -> Result<ContactFeet, InterfaceError> {
+        self.check_refreshed()?;
         let layout = &self.pairings.layout;
         let all = self.pairings.all();
         let (weights, rows) = (layout.offset(all.end), 3 * layout.gradient(all.end));

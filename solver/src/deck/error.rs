@@ -117,7 +117,7 @@ pub enum Problem {
         known: Vec<String>,
     },
     /// A word that only other builds know.
-    #[error("{field} can be {word:?} in a program built with --features {feature}")]
+    #[error("{field} cannot be {word:?} here: it needs a program built with --features {feature}")]
     LeftOut {
         /// The field.
         field: String,

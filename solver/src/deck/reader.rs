@@ -303,7 +303,8 @@ mod tests {
         };
         assert_eq!(read("weight = \"two\""), Ok(2));
         let refused = read("\nweight = \"three\"").unwrap_err();
-        let expected = "interface[1].weight can be \"three\" in a program built with --features threes";
+        let expected =
+            "interface[1].weight cannot be \"three\" here: it needs a program built with --features threes";
         assert!(refused.contains(expected) && refused.contains("line 2"), "{refused}");
         assert!(read("weight = \"four\"").unwrap_err().contains("cannot be \"four\""));
     }

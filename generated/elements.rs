@@ -1,7 +1,30 @@
 //! The formulas of elements of a fixed size: laws, and forces on facets.
 
-use diffuse_contact_codegen::ElementModel;
-use diffuse_contact_codegen::expr::{Expr, Vec2, Vec3, Vector, dot};
+use diffuse_contact_codegen::expr::{Expr, Mat3, Vec2, Vec3, Vector, dot, total};
+use diffuse_contact_codegen::{Config, ConfigError, ElementModel};
+
+/// The configuration with all of them.
+pub fn all(config: Config) -> Result<Config, ConfigError> {
+    config
+        .element("coulomb", coulomb)?
+        .element("traction", traction)?
+        .element("coulomb_sliding", coulomb_sliding)?
+        .element("traction_sliding", traction_sliding)?
+        .element("decaying_coefficient", decaying_coefficient)?
+        .element("interpolated", interpolated)?
+        .element("isochoric_neo_hooke", isochoric_neo_hooke)?
+        .element("volumetric_neo_hooke", volumetric_neo_hooke)?
+        .element("volumetric_hencky", volumetric_hencky)?
+        .element("direction", direction)?
+        .element("foot_of_gap", foot_of_gap)?
+        .element("slip_over_triangle", slip_over_triangle)?
+        .element("slip_over_quadrilateral", slip_over_quadrilateral)?
+        .element("carried_by_triangle", carried_by_triangle)?
+        .element("carried_by_quadrilateral", carried_by_quadrilateral)?
+        .element("carried_by_triangle6", carried_by_triangle6)?
+        .element("carried_by_quadrilateral8", carried_by_quadrilateral8)?
+        .element("carried_by_quadrilateral9", carried_by_quadrilateral9)
+}
 
 /// The factor c of a contact that slides at a coefficient of pressure and slip rate.
 pub fn coulomb_sliding(m: &ElementModel<'_>) {
@@ -101,6 +124,49 @@ fn friction_factor<'g>(m: &ElementModel<'g>, q: Expr<'g>, pressure: Expr<'g>) ->
     m.value("share", share);
     m.value("slides", slides.select(one, zero));
     slides.select(limit / slip, stuck)
+}
+
+/// Isochoric neo-Hooke elasticity in the principal axes of a stretch. A strain E on top of it makes C = Fᵀ (1 + 2 E) F: Kirchhoff's stress
+/// and the spatial tangent are the energy's derivatives by E at E = 0.
+pub fn isochoric_neo_hooke(m: &ElementModel<'_>) {
+    m.title("Isochoric neo-Hooke elasticity, W = μ/2 (tr C / (det C)^(1/3) − 3), in the principal axes of a stretch.");
+    let squares: Vec3<'_> = m.parameter("squares");
+    let shear_modulus: Expr<'_> = m.parameter("shear_modulus");
+    let along: Vec3<'_> = m.sheet().variables(["e_11", "e_22", "e_33"]);
+    let across: Vec3<'_> = m.sheet().variables(["g_23", "g_31", "g_12"]);
+    let added = Mat3::from_fn(|i, j| if i == j { 1.0 + 2.0 * along[i] } else { across[3 - i - j] });
+    let trace = total((0..3).map(|k| squares[k] * added[k][k]));
+    // Of each factor by itself: their product may overflow.
+    let volume = (0..3).fold(added.determinant().cbrt(), |volume, k| volume * squares[k].cbrt());
+    let energy = 0.5 * shear_modulus * (trace / volume - 3.0);
+    let at_rest: Vec<_> =
+        along.0.into_iter().chain(across.0).map(|strain| (strain, m.sheet().zero())).collect();
+    let stress = energy.gradient(along);
+    m.value("energy", energy.at(&at_rest));
+    m.value("stress", stress.at(&at_rest));
+    m.value("normal", stress.jacobian(along).map(|x| x.at(&at_rest)));
+    m.value("shear", across.map(|strain| energy.by(strain).by(strain).at(&at_rest)));
+    m.describe("squares", "λ², squares of the principal stretches");
+    m.describe("shear_modulus", "μ, force per area");
+    m.describe("stress", "Principal values of Kirchhoff's stress");
+    m.describe("normal", "Components AABB of the spatial tangent");
+    m.describe("shear", "Components ABAB, of the axes A, B ≠ k");
+}
+
+/// The volumetric energy of a neo-Hooke material.
+pub fn volumetric_neo_hooke(m: &ElementModel<'_>) {
+    m.title("Volumetric energy U = κ/2 (θ − 1)² of a neo-Hooke material.");
+    let ratio: Expr<'_> = m.variable("volume_ratio");
+    let bulk_modulus: Expr<'_> = m.parameter("bulk_modulus");
+    m.energy(0.5 * bulk_modulus * (ratio - 1.0).powi(2));
+}
+
+/// The volumetric energy of Hencky's material.
+pub fn volumetric_hencky(m: &ElementModel<'_>) {
+    m.title("Volumetric energy U = κ/2 (ln θ)² of Hencky's material.");
+    let ratio: Expr<'_> = m.variable("volume_ratio");
+    let bulk_modulus: Expr<'_> = m.parameter("bulk_modulus");
+    m.energy(0.5 * bulk_modulus * ratio.ln().powi(2));
 }
 
 /// The unit vector along another one.

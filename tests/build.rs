@@ -9,7 +9,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     if cfg!(feature = "bases") {
         bases()?;
     }
-    Config::new()
+    with_fit(Config::new())
         .weight("wendland", "(1 - r)^4 * (1 + 4*r)")?
         .weight("matern", "exp(-r) * (1 + r) * (1 - r^2)^2 / sqrt(1 + 3*r^2)")?
         .weight("spline", "if r < 0.5 { 2/3 - 4*r^2 + 4*r^3 } else { 4/3*(1 - r)^3 }")?
@@ -19,10 +19,14 @@ fn main() -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
+fn with_fit(config: Config) -> Config {
+    if cfg!(feature = "fit") { config.fit() } else { config }
+}
+
 fn bases() -> Result<(), Box<dyn Error>> {
     let folder = PathBuf::from(std::env::var_os("OUT_DIR").ok_or("OUT_DIR is not set")?).join("bases");
     std::fs::create_dir_all(&folder)?;
-    Config::new()
+    with_fit(Config::new())
         .cubic()
         .cubic_interpolating()
         .basis("bilinear", &[(0, 0), (1, 0), (0, 1), (1, 1)])?

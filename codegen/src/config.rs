@@ -119,6 +119,7 @@ pub struct Config {
     elements: Vec<ElementKernels>,
     tests: Vec<ElementTest>,
     facets: bool,
+    fit: bool,
     friction: bool,
     support: String,
     folder: Option<PathBuf>,
@@ -149,6 +150,7 @@ impl Config {
             elements: Vec::new(),
             tests: Vec::new(),
             facets: false,
+            fit: false,
             friction: false,
             support: "::diffuse_contact_kernels::support".to_owned(),
             folder: None,
@@ -287,6 +289,14 @@ impl Config {
         self
     }
 
+    /// Adds the kernels of the fit by itself for all weights and bases: coefficients, and the surface at a point, with their
+    /// derivatives. The gap needs none of them.
+    #[must_use]
+    pub const fn fit(mut self) -> Self {
+        self.fit = true;
+        self
+    }
+
     /// Adds the kernels of contact with friction for all weights and bases: the slip from an anchor beside the gap, with its
     /// derivatives.
     #[must_use]
@@ -336,8 +346,10 @@ impl Config {
             }
         }
         let elements = || self.element_modules(&support, optimised);
-        let options =
-            EmitOptions::new(&support, &self.bases).with_friction(self.friction).with_optimised(optimised);
+        let options = EmitOptions::new(&support, &self.bases)
+            .with_fit(self.fit)
+            .with_friction(self.friction)
+            .with_optimised(optimised);
         emit_file(&self.weights, self.facets, elements, options)
     }
 

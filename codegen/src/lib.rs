@@ -117,8 +117,9 @@ pub use config::{Config, ConfigError};
 pub use expr::{Expr, Sheet};
 pub use graph::Limits;
 pub use model::{
-    Basis, BasisError, CustomBasis, ElementError, ElementKernels, ElementModel, FacetShape, FacetSpec,
-    FrameRule, Kernel, KernelSpec, Mode, NodeResult, Output, Stationary, Weight, WeightError, WeightNote,
+    Basis, BasisError, CustomBasis, Defined, ElementError, ElementKernels, ElementModel, FacetShape,
+    FacetSpec, FrameRule, Kernel, KernelSpec, Mode, NodeResult, Output, Stationary, Weight, WeightError,
+    WeightNote,
 };
 
 /// The examples of the README, which are run with the documentation tests.

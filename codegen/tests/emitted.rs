@@ -10,25 +10,30 @@ use diffuse_contact_codegen::Config;
 #[path = "../../examples/own_element/elements/mod.rs"]
 #[allow(dead_code, non_snake_case, clippy::many_single_char_names, clippy::similar_names)]
 mod elements;
-use elements::{arm, cohesive, contact, joint, neo_hooke, surface, tanks};
+use elements::{arm, cloud, cohesive, contact, joint, neo_hooke, surface, tanks};
+#[path = "../../generated/elements.rs"]
+mod laws;
 
 const STORED: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/emitted.txt");
 
 /// What the product's own build script asks for.
 fn product() -> Config {
-    Config::new()
+    let config = Config::new()
         .cubic()
         .wendland_c2()
         .cubic_interpolating()
         .share_kernels()
         .facets()
+        .fit()
         .friction()
-        .support("crate::support")
+        .support("crate::support");
+    laws::all(config).unwrap()
 }
 
 /// Weights that are no polynomials, and a basis of the caller's: what the product has none of.
 fn others() -> Config {
     Config::new()
+        .fit()
         .weight("exponential", "exp(-r)*(1 + r)*(1 - r^2)^2/sqrt(1 + r^4)")
         .and_then(|config| config.weight("spline", "if r < 0.5 { 2/3-4*r^2+4*r^3 } else { 4/3*(1 - r)^3 }"))
         .map(Config::share_kernels)
@@ -42,18 +47,21 @@ fn others() -> Config {
 
 /// A weight that shares its kernels with none.
 fn alone() -> Config {
-    Config::new().cubic()
+    Config::new().cubic().fit()
 }
 
 /// Elements of the caller's: of fixed size, with points, with roots, and with nodes.
 fn own() -> Config {
     Config::new()
         .element("tet4_neo_hooke", neo_hooke::tet4)
+        .and_then(|config| config.element("tet10_neo_hooke", neo_hooke::tet10))
         .and_then(|config| config.element("hex8_neo_hooke", neo_hooke::hex8))
+        .and_then(|config| config.element("hex20_neo_hooke", neo_hooke::hex20))
         .and_then(|config| config.element("cohesive", cohesive::exponential))
         .and_then(|config| config.element("bezier_contact", contact::bezier))
         .and_then(|config| config.element("fitted_contact", surface::moving_least_squares))
         .and_then(|config| config.element("average", surface::average))
+        .and_then(|config| config.element("co_rotated", cloud::co_rotated))
         .and_then(|config| config.element("seven_axes", arm::seven_axes))
         .and_then(|config| config.element("chain", joint::chain))
         .and_then(|config| config.element("four_tanks", tanks::four_tanks))

@@ -5,8 +5,9 @@
 //! [`support::KernelSet`] that chooses among them by basis, frame rule and mode. The module `facet` has the
 //! distance from a facet itself, a triangle or a quadrilateral.
 //!
-//! Users call the kernels through `diffuse-contact`, or include those of a weight of their own in their own crate. What they touch here
-//! is the choice of vector instructions:
+//! Users call the kernels through `diffuse-contact`, or include those of a weight or an element of their own in their own crate. These need
+//! [`support`] alone: without the feature `contact` no kernel is generated here. What users touch here is the choice of vector
+//! instructions:
 //!
 //! ```
 //! use diffuse_contact_kernels::support::Isa;
@@ -66,5 +67,5 @@
 pub mod support;
 
 // The tests of this crate are those of `support`; all others have the kernels to test.
-#[cfg(not(test))]
+#[cfg(all(feature = "contact", not(test)))]
 include!(concat!(env!("OUT_DIR"), "/diffuse_contact_kernels.rs"));

@@ -20,6 +20,11 @@ pub enum ElementError {
         /// Number of master nodes given.
         found: usize,
     },
+    /// The kernels were generated without coefficients and surfaces: the Cargo feature `fit`, or `Config::fit` for a weight of one's own.
+    #[error(
+        "coefficients and surfaces are not compiled in: build with the Cargo feature `fit`, a weight of one's own with `Config::fit`"
+    )]
+    NoFitKernels,
     /// The kernels were generated without the slip from an anchor.
     #[error(
         "friction is not compiled in: build with the Cargo feature `friction`, as in `cargo run --release --features friction`"
@@ -226,6 +231,7 @@ impl ElementError {
         match self {
             Self::TooFewNodes { .. } => "too-few-nodes",
             Self::TooManyNodes { .. } => "too-many-nodes",
+            Self::NoFitKernels => "no-fit-kernels",
             Self::NoFrictionKernels => "no-friction-kernels",
             Self::NoKernels { .. } => "no-kernels",
             Self::AnisotropicBasis { .. } => "anisotropic-basis",

@@ -36,8 +36,7 @@ impl Backend for Generated {
 
 impl<K: KernelSet + Sync> Backend for GeneratedWith<K> {
     fn coefficients(&self, element: &Element<'_>, mode: Mode) -> Result<Coefficients, ElementError> {
-        validate::<K>(element)?;
-        refuse_material(element)?;
+        check_fit::<K>(element)?;
         let size = element.basis.size();
         let mut buffers = Buffers::new(element, mode, size, size);
         let inputs = inputs::<K>(element, [0.0; 2]);
@@ -52,8 +51,7 @@ impl<K: KernelSet + Sync> Backend for GeneratedWith<K> {
     }
 
     fn surface(&self, element: &Element<'_>, point: [f64; 2], mode: Mode) -> Result<Surface, ElementError> {
-        validate::<K>(element)?;
-        refuse_material(element)?;
+        check_fit::<K>(element)?;
         if let Some(index) = point.iter().position(|x| !x.is_finite()) {
             return Err(ElementError::NonFiniteInput { what: "point", index });
         }
@@ -192,10 +190,12 @@ impl<K: KernelSet> GeneratedWith<K> {
     }
 }
 
-/// Coefficients and surfaces are derivatives with the frame held.
-fn refuse_material(element: &Element<'_>) -> Result<(), ElementError> {
+/// Coefficients and surfaces are derivatives with the frame held, by kernels of their own.
+fn check_fit<K: KernelSet>(element: &Element<'_>) -> Result<(), ElementError> {
+    validate::<K>(element)?;
     match element.domains {
         Domains::Material(_) => Err(ElementError::MaterialDomains),
+        Domains::Shared | Domains::Each(_) if !K::FIT => Err(ElementError::NoFitKernels),
         Domains::Shared | Domains::Each(_) => Ok(()),
     }
 }

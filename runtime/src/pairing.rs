@@ -1,36 +1,13 @@
-//! Pairing a slave node with its master nodes: the m nearest, the frame and the support radius they imply.
+//! A slave node's master nodes and what stays fixed with them, and what finds these: the nearest nodes ([`NearestNodes`]), the outward side
+//! of the facets around them ([`node_normals`], [`outward`]), the support radius ([`support_radius`]).
 //!
-//! A pairing is the data an [`Element`] holds fixed between updates. It is found in three steps: the master
-//! nodes nearest to the slave in Euclidean distance ([`NearestNodes`]), their average plane turned to the
-//! outward side of the facets around them ([`node_normals`], [`outward`]), and the support radius
-//! ([`support_radius`]). On structured meshes the nearest 6 to 9 nodes often lie on one conic, which makes the
-//! quadratic fit singular (a hexagon ring, a 2×k strip);
-//! [`pair`] therefore starts from more nodes than the fit needs and adds further ones until it is regular.
-//!
-//! ```
-//! use diffuse_contact::pairing::{NearestNodes, PairingRule, node_normals, pair};
-//! use diffuse_contact::{Backend, Generated, Mode};
-//!
-//! // A flat 5 × 5 grid of nodes, its facets seen from above, and a slave 0.25 over it.
-//! let masters: Vec<[f64; 3]> = (0..25).map(|k| [f64::from(k % 5), f64::from(k / 5), 0.0]).collect();
-//! let facets: Vec<[usize; 4]> =
-//!     (0..16).map(|k| k % 4 + 5 * (k / 4)).map(|k| [k, k + 1, k + 6, k + 5]).collect();
-//! let normals = node_normals(&masters, &facets);
-//! let nodes = NearestNodes::new(masters)?;
-//!
-//! let slave = [2.1, 1.8, 0.25];
-//! let pairing = pair(&Generated, &nodes, &normals, slave, &PairingRule::default())?;
-//! assert_eq!(pairing.masters[0], 12);
-//! let gap = Generated.gap(&pairing.element(slave), Mode::Value)?;
-//! assert!((gap.gap - 0.25).abs() < 1e-14);
-//! # Ok::<(), diffuse_contact::ElementError>(())
-//! ```
+//! [`neighbourhood`](crate::neighbourhood) pairs with them.
 
 use rstar::RTree;
 use rstar::primitives::GeomWithData;
 
 use crate::vector::Vector3;
-use crate::{Backend, Basis, Domains, Element, ElementError, Frame, MaterialNode, Mode, Point, Weight};
+use crate::{Basis, Domains, Element, ElementError, Frame, MaterialNode, Point, Weight};
 
 /// The support radius is this factor times the largest in-plane distance of a master node from the slave.
 ///
@@ -39,13 +16,9 @@ use crate::{Backend, Basis, Domains, Element, ElementError, Frame, MaterialNode,
 pub const SUPPORT_RADIUS_FACTOR: f64 = 1.25;
 /// Master nodes a pairing starts from: twice what the quadratic fit needs.
 pub const DEFAULT_NEIGHBOURS: usize = 12;
-/// Master nodes beyond which [`pair`] no longer looks for a regular fit.
+/// Master nodes beyond which no search looks for a regular fit.
 pub const MAX_NEIGHBOURS: usize = 24;
 
-/// A pairing that sees its masters within 180° and this much more, in radians, lies beyond their border.
-const BORDER_ANGLE: f64 = 0.05;
-/// Closer to a master node than this fraction of the farthest, a point counts as on it.
-const ON_NODE: f64 = 0.02;
 /// Two distances closer than this, relatively, are compared again in one and the same arithmetic.
 const DISTANCE_ROUNDING: f64 = 1e-12;
 
@@ -122,58 +95,6 @@ impl NearestNodes {
     }
 }
 
-/// How [`pair`] chooses.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[non_exhaustive]
-pub struct PairingRule {
-    /// Number of nearest master nodes to start from; raised to the basis's size if it is below.
-    pub neighbours: usize,
-    /// Number of nearest master nodes to stop at; raised to `neighbours` if it is below.
-    pub max_neighbours: usize,
-    /// Polynomial basis of the fit.
-    pub basis: Basis,
-    /// Weight function of the fit.
-    pub weight: Weight,
-}
-
-impl Default for PairingRule {
-    /// [`DEFAULT_NEIGHBOURS`] to [`MAX_NEIGHBOURS`] nodes, quadratic basis, cubic weight.
-    fn default() -> Self {
-        Self {
-            neighbours: DEFAULT_NEIGHBOURS,
-            max_neighbours: MAX_NEIGHBOURS,
-            basis: Basis::Quadratic,
-            weight: Weight::default(),
-        }
-    }
-}
-
-impl PairingRule {
-    /// With this number of nodes to start from.
-    #[must_use]
-    pub const fn with_neighbours(self, neighbours: usize) -> Self {
-        Self { neighbours, ..self }
-    }
-
-    /// With this number of nodes to stop at.
-    #[must_use]
-    pub const fn with_max_neighbours(self, max_neighbours: usize) -> Self {
-        Self { max_neighbours, ..self }
-    }
-
-    /// With this basis.
-    #[must_use]
-    pub const fn with_basis(self, basis: Basis) -> Self {
-        Self { basis, ..self }
-    }
-
-    /// With this weight function.
-    #[must_use]
-    pub const fn with_weight(self, weight: Weight) -> Self {
-        Self { weight, ..self }
-    }
-}
-
 /// The master nodes of one slave node and all that stays fixed with them.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Pairing {
@@ -204,87 +125,6 @@ impl Pairing {
             .with_basis(self.basis)
             .with_weight(self.weight)
     }
-
-    /// Whether `point` lies beyond the border of the masters, where the fit extrapolates and there is no contact.
-    ///
-    /// Seen from the point, in the plane of the frame, the masters then leave free an angle of more than 180° and
-    /// a tolerance of 3°. A point on a master node (to 2 % of the farthest distance) is not beyond the border.
-    #[must_use]
-    pub fn is_beyond_border(&self, point: Point) -> bool {
-        let offsets: Vec<[f64; 2]> =
-            self.positions.iter().map(|&x| in_plane_offset(&self.frame, point, x)).collect();
-        let length = |offset: &[f64; 2]| offset[0].hypot(offset[1]);
-        let farthest = offsets.iter().map(length).fold(0.0, f64::max);
-        if offsets.iter().any(|offset| length(offset) <= ON_NODE * farthest) {
-            return false;
-        }
-        let mut angles: Vec<f64> = offsets.iter().map(|[a, b]| b.atan2(*a)).collect();
-        angles.sort_by(f64::total_cmp);
-        let (Some(first), Some(last)) = (angles.first(), angles.last()) else { return true };
-        let around = first + std::f64::consts::TAU - last;
-        let free = angles.windows(2).map(|pair| pair[1] - pair[0]).fold(around, f64::max);
-        free > std::f64::consts::PI + BORDER_ANGLE
-    }
-}
-
-/// Pairs a slave node with the nearest master nodes for which the fit is regular.
-///
-/// Starts from `rule.neighbours` nodes and adds the next nearest one by one, up to `rule.max_neighbours`, while the
-/// nodes have no average plane or `backend` finds the fit singular. `normals` are those of the master nodes, see
-/// [`node_normals`].
-///
-/// # Errors
-/// [`ElementError::TooFewNodes`] if there are fewer master nodes than the basis needs; the last reason met if no
-/// admissible number of nodes makes the fit regular; any other [`ElementError`] as soon as it occurs.
-pub fn pair<B: Backend + ?Sized>(
-    backend: &B,
-    nodes: &NearestNodes,
-    normals: &[Point],
-    slave: Point,
-    rule: &PairingRule,
-) -> Result<Pairing, ElementError> {
-    let needed = rule.basis.size();
-    let fewest = rule.neighbours.max(needed);
-    let nearest = nodes.masters(slave, rule.max_neighbours.max(fewest));
-    if nearest.len() < needed {
-        return Err(ElementError::TooFewNodes { found: nearest.len(), needed });
-    }
-    let mut count = fewest.min(nearest.len());
-    loop {
-        match pair_with(backend, nodes, normals, slave, &nearest[..count], rule) {
-            Err(ElementError::SingularFit { .. } | ElementError::NoAveragePlane { .. })
-                if count < nearest.len() =>
-            {
-                count += 1;
-            }
-            outcome => return outcome,
-        }
-    }
-}
-
-/// The pairing with exactly these masters, if its fit is regular.
-fn pair_with<B: Backend + ?Sized>(
-    backend: &B,
-    nodes: &NearestNodes,
-    normals: &[Point],
-    slave: Point,
-    masters: &[usize],
-    rule: &PairingRule,
-) -> Result<Pairing, ElementError> {
-    let positions: Vec<Point> = masters.iter().map(|&k| nodes.points[k]).collect();
-    let frame = Frame::average_plane(&positions, outward(normals, masters))?;
-    let support_radius = support_radius(&frame, slave, &positions);
-    let pairing = Pairing {
-        masters: masters.to_vec(),
-        positions,
-        frame,
-        support_radius,
-        material: Vec::new(),
-        basis: rule.basis,
-        weight: rule.weight,
-    };
-    backend.coefficients(&pairing.element(slave), Mode::Value)?;
-    Ok(pairing)
 }
 
 /// Default support radius: [`SUPPORT_RADIUS_FACTOR`] × the largest in-plane distance of a master from the slave.

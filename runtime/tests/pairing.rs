@@ -1,7 +1,7 @@
 //! Pairing by the nearest master nodes.
 
 use diffuse_contact::pairing::*;
-use diffuse_contact::{Backend, Basis, ElementError, Frame, Generated, Mode, Point};
+use diffuse_contact::{ElementError, Frame, Point};
 
 /// n × n nodes of a unit grid in the plane z = 0.
 fn grid(n: usize) -> Vec<Point> {
@@ -77,52 +77,4 @@ fn normals_point_out_of_counter_clockwise_facets() {
     assert_eq!(outward(&normals, &[0, 4]), [0.0, 0.0, 2.0], "both nodes count the same");
     let flipped: Vec<[usize; 4]> = grid_facets(3).iter().map(|&[a, b, c, d]| [d, c, b, a]).collect();
     assert_eq!(node_normals(&points, &flipped)[4], [0.0, 0.0, -4.0]);
-}
-
-#[test]
-fn the_set_grows_until_the_fit_is_regular() {
-    let nodes = NearestNodes::new(grid(7)).unwrap();
-    let normals = node_normals(nodes.points(), &grid_facets(7));
-    // Around the middle of a cell the nearest six nodes are a 2 × 3 block: they lie on two lines, a conic.
-    let rule = PairingRule::default().with_neighbours(6);
-    for slave in [[2.5, 2.5, 0.5], [2.5, 2.45, 0.5]] {
-        let pairing = pair(&Generated, &nodes, &normals, slave, &rule).unwrap();
-        assert!(pairing.masters.len() > 6, "{slave:?}: {:?}", pairing.masters);
-        assert_eq!(pairing.masters, nodes.masters(slave, pairing.masters.len()));
-        let gap = Generated.gap(&pairing.element(slave), Mode::Value).unwrap();
-        assert!((gap.gap - 0.5).abs() < 1e-13);
-    }
-}
-
-#[test]
-fn the_reason_for_no_pairing_is_reported() {
-    // Two rows of nodes carry no quadratic however many are taken.
-    let strip: Vec<Point> = (0..40).map(|k| [f64::from(k / 2), f64::from(k % 2), 0.0]).collect();
-    let facets: Vec<[usize; 4]> = (0..19).map(|k| [2 * k, 2 * k + 2, 2 * k + 3, 2 * k + 1]).collect();
-    let normals = node_normals(&strip, &facets);
-    let nodes = NearestNodes::new(strip).unwrap();
-    let error = pair(&Generated, &nodes, &normals, [9.3, 0.4, 0.1], &PairingRule::default()).unwrap_err();
-    assert_eq!(error.code(), "singular-fit");
-    let rule = PairingRule::default().with_basis(Basis::Linear);
-    assert!(pair(&Generated, &nodes, &normals, [9.3, 0.4, 0.1], &rule).is_ok());
-
-    let nodes = NearestNodes::new(grid(2)).unwrap();
-    let error = pair(&Generated, &nodes, &[[0.0; 3]; 4], [0.0; 3], &PairingRule::default()).unwrap_err();
-    assert_eq!(error, ElementError::TooFewNodes { found: 4, needed: 6 });
-}
-
-#[test]
-fn points_off_the_grid_are_beyond_its_border() {
-    let nodes = NearestNodes::new(grid(5)).unwrap();
-    let normals = node_normals(nodes.points(), &grid_facets(5));
-    let beyond = |slave: Point| {
-        let pairing = pair(&Generated, &nodes, &normals, slave, &PairingRule::default()).unwrap();
-        pairing.is_beyond_border(slave)
-    };
-    for inside in [[2.0, 2.0, 0.1], [0.0, 0.0, 0.1], [0.0, 1.5, 0.1], [3.9, 0.1, 0.1], [4.0, 4.0, 1.0]] {
-        assert!(!beyond(inside), "{inside:?}");
-    }
-    for outside in [[-0.3, 2.0, 0.1], [4.2, 4.2, 0.1], [2.0, 6.0, 0.1]] {
-        assert!(beyond(outside), "{outside:?}");
-    }
 }

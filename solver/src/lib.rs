@@ -37,9 +37,10 @@
 //!   Prescribed positions are functions of time (`Motion`: translation, rotation about an axis), so that a rotation is exact. The full
 //!   matrix over all nodes is assembled in blocks of 3 × 3; the free part is factorised. The rest predicts what the prescribed motion of an
 //!   increment does to the free nodes.
-//! * **Solid.** The material is Hencky's: Kirchhoff stress over logarithmic strains, volumetric and deviatoric parts uncoupled. J2
-//!   plasticity is multiplicative with linear isotropic hardening; the return mapping is radial in principal logarithmic strains.
-//!   Derivatives of the solid are standard and written by hand; tests compare them with differences.
+//! * **Solid.** Volumetric and isochoric parts are uncoupled. The material is Hencky's, Kirchhoff stress over logarithmic strains, or
+//!   neo-Hooke. Hencky's may yield: J2 plasticity is multiplicative with linear isotropic hardening, and the return mapping is radial in
+//!   principal logarithmic strains. Neo-Hooke elasticity and both volumetric parts are generated from their energies. Derivatives of
+//!   the return mapping and of the elements are written by hand; tests compare them with differences.
 //! * **Increments** end at the points of all amplitudes. `solve::statics` puts a deck's problem, its settings and these points together.
 //! * **Contact's tangent** is chosen when it is assembled, by the relative residual of the evaluation (`TangentRule`). A contact's force and
 //!   Hessian come from one evaluation either way.

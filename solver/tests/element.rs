@@ -6,12 +6,10 @@ use diffuse_contact_solver::material::{Material, Plasticity, PointState};
 use diffuse_contact_solver::solid::{Order, Solid, SolidError, SolidResponse};
 use nalgebra::DMatrix;
 
-const RUBBER: Material = Material { young: 10.0, poisson: 0.45, plasticity: None };
-const SOFT_METAL: Material = Material {
-    young: 2000.0,
-    poisson: 0.3,
-    plasticity: Some(Plasticity { yield_stress: 10.0, hardening: 50.0 }),
-};
+const RUBBER: Material = Material::elastic(10.0, 0.45);
+const SOFT_METAL: Material =
+    Material::elastic(2000.0, 0.3).with_plasticity(Plasticity { yield_stress: 10.0, hardening: 50.0 });
+const NEO_HOOKE: Material = Material::neo_hooke(10.0, 0.45);
 
 /// A distorted element and a deformed state of it.
 fn distorted(kind: (ElementKind, bool), material: Material, amplitude: f64) -> (Solid, Vec<[f64; 3]>) {
@@ -71,8 +69,10 @@ fn coordinates(solid: &Solid) -> Vec<usize> {
 
 #[test]
 fn forces_are_the_gradient_of_the_energy() {
-    for kind in ELEMENTS {
-        let (solid, positions) = distorted(kind, RUBBER, amplitude(kind));
+    for (kind, material) in
+        ELEMENTS.into_iter().flat_map(|kind| [RUBBER, NEO_HOOKE].map(|material| (kind, material)))
+    {
+        let (solid, positions) = distorted(kind, material, amplitude(kind));
         let states = solid.states();
         let forces = evaluate(&solid, &positions, &states).forces;
         let largest = forces.iter().fold(0.0, |m: f64, f| m.max(f.abs()));
@@ -107,6 +107,8 @@ fn tangent_is_the_derivative_of_the_forces() {
     for kind in ELEMENTS {
         let (solid, positions) = distorted(kind, RUBBER, amplitude(kind));
         assert_tangent(&solid, &positions, &solid.states(), step(kind), 1e-9);
+        let (rubber, positions) = distorted(kind, NEO_HOOKE, amplitude(kind));
+        assert_tangent(&rubber, &positions, &rubber.states(), step(kind), 1e-9);
         let (nearly, positions) =
             distorted(kind, Material { poisson: 0.4999, ..RUBBER }, 0.4 * amplitude(kind));
         if kind == INCOMPATIBLE {

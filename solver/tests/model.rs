@@ -8,7 +8,7 @@ use diffuse_contact_solver::material::Material;
 use diffuse_contact_solver::model::shape::{Block, RigidPlane};
 use diffuse_contact_solver::model::*;
 
-const STEEL: Material = Material { young: 200_000.0, poisson: 0.3, plasticity: None };
+const STEEL: Material = Material::elastic(200_000.0, 0.3);
 
 fn block() -> Part {
     let block =

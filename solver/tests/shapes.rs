@@ -10,7 +10,7 @@ use diffuse_contact_solver::model::shape::*;
 use diffuse_contact_solver::model::{Cell, MAX_NODES, Model, ModelError, Part, ShapeError};
 use nalgebra::Vector3;
 
-const SOFT: Material = Material { young: 1.0, poisson: 0.0, plasticity: None };
+const SOFT: Material = Material::elastic(1.0, 0.0);
 
 /// Whether a model takes it.
 fn check(part: Part) -> Result<(), ModelError> {
@@ -323,7 +323,7 @@ fn elements_of_second_order_follow_the_curve() {
         let per_cell = if kind.corner_count() == 4 { 6 } else { 1 };
         assert_eq!(part.elements.len(), per_cell * cells, "{name}");
         let mut model = Model::default();
-        model.add("ball", part, Some(Material { young: 1.0, poisson: 0.3, plasticity: None })).unwrap();
+        model.add("ball", part, Some(Material::elastic(1.0, 0.3))).unwrap();
         Solid::new(&model.nodes, &model.bodies).unwrap_or_else(|error| panic!("{name}: {error}"));
     }
 }

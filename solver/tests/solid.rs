@@ -6,15 +6,14 @@ use crate::common::{ELEMENTS, INCOMPATIBLE, Problem, grid, meshed, numbers, set_
 use diffuse_contact_mesh::ElementKind;
 use diffuse_contact_solver::material::{Material, Plasticity};
 
-const STEEL: Material = Material { young: 2e5, poisson: 0.3, plasticity: None };
-const PLASTIC: Material =
-    Material { plasticity: Some(Plasticity { yield_stress: 400.0, hardening: 3450.0 }), ..STEEL };
+const STEEL: Material = Material::elastic(2e5, 0.3);
+const PLASTIC: Material = STEEL.with_plasticity(Plasticity { yield_stress: 400.0, hardening: 3450.0 });
 
 /// Linear displacements on the boundary of distorted elements: the same inside, and one stress everywhere.
 #[test]
 fn patch_test() {
     for kind in ELEMENTS {
-        for material in [STEEL, Material { poisson: 0.4999, ..STEEL }] {
+        for material in [STEEL, Material { poisson: 0.4999, ..STEEL }, Material::neo_hooke(2e5, 0.4999)] {
             patch(kind, material);
         }
     }
@@ -104,7 +103,7 @@ fn cook(kind: (ElementKind, bool), divisions: usize, poisson: f64) -> f64 {
         [48.0 * x, 44.0 * x + y * (44.0 - 28.0 * x), 48.0 / divisions as f64 * z]
     });
     let thickness = 48.0 / divisions as f64;
-    let material = Material { young: 250.0, poisson, plasticity: None };
+    let material = Material::elastic(250.0, poisson);
     let mut problem = Problem::new(&nodes, elements, material);
     problem.hold([true; 3], |x| x[0] == 0.0);
     problem.hold([false, false, true], |_| true);
@@ -250,10 +249,65 @@ fn a_strip_bends_like_the_elastica() {
     assert!((back - 0.38763).abs() < 0.005, "{back}");
 }
 
+/// A tube of radii 1 and 2 whose bore is widened by half in plane strain. Without a change of volume r² = R² + a² − 1, and the pressure is
+/// ∫ μ (λ² − 1/λ²) dr/r with λ = r/R.
+#[test]
+fn a_tube_of_rubber_is_inflated() {
+    let material = Material::neo_hooke(3.0, 0.4999);
+    let pressure = |around: usize, kind| {
+        let quarter = std::f64::consts::FRAC_PI_2;
+        let (nodes, elements) = meshed(kind, [around, around, 1], |[r, angle, z]| {
+            let (sine, cosine) = (quarter * angle).sin_cos();
+            [(1.0 + r) * cosine, (1.0 + r) * sine, 0.1 * z]
+        });
+        let radius = |x: &[f64; 3]| x[0].hypot(x[1]);
+        let is_inside = |x: &[f64; 3]| radius(x) < 1.0 + 1e-9;
+        let mut problem = Problem::new(&nodes, elements, material);
+        problem.hold([false, false, true], |_| true);
+        problem.hold([true, false, false], |x| x[0] < 1e-9);
+        problem.hold([false, true, false], |x| x[1] < 1e-9);
+        problem.hold([true, true, false], is_inside);
+        for step in 1..=5 {
+            let widened = 1.0 + 0.1 * f64::from(step);
+            let target: Vec<_> = nodes
+                .iter()
+                .map(|x| if is_inside(x) { [widened * x[0], widened * x[1], x[2]] } else { *x })
+                .collect();
+            problem.step(&target, 1e-9);
+        }
+        // Radial reactions: those of the planes lie across.
+        let held = nodes.iter().zip(problem.residual()).filter(|(x, _)| is_inside(x));
+        let outward: f64 = held.map(|(x, residual)| -(x[0] * residual[0] + x[1] * residual[1])).sum();
+        outward / (quarter * 1.5 * 0.1)
+    };
+    // Simpson's rule.
+    let (inner, outer): (f64, f64) = (1.5, (4.0 + 1.25_f64).sqrt());
+    let slope = |r: f64| {
+        let square = r * r / (r * r - 1.25);
+        material.shear_modulus() * (square - 1.0 / square) / r
+    };
+    let steps = 2000;
+    let width = (outer - inner) / f64::from(steps);
+    let weight = |k: i32| if k == 0 || k == steps { 1.0 } else { 2.0 + 2.0 * f64::from(k % 2) };
+    let exact =
+        (0..=steps).map(|k| weight(k) * slope(inner + width * f64::from(k))).sum::<f64>() * width / 3.0;
+    for (kind, around, limit) in [
+        ((ElementKind::Hexahedron8, false), 16, 4e-3),
+        (INCOMPATIBLE, 16, 4e-3),
+        ((ElementKind::Hexahedron20, false), 6, 2e-3),
+        ((ElementKind::Tetrahedron10, false), 6, 4e-3),
+    ] {
+        let found = pressure(around, kind);
+        println!("{kind:?}: {found} {exact} {:e}", found / exact - 1.0);
+        assert!((found / exact - 1.0).abs() < limit, "{kind:?}: {found} {exact}");
+    }
+}
+
 /// Upsetting of a plastic block between rough plates: residuals fall quadratically until rounding.
 #[test]
 fn newton_converges_quadratically() {
-    for material in [PLASTIC, STEEL, Material { poisson: 0.4999, ..STEEL }] {
+    let nearly_incompressible = [Material { poisson: 0.4999, ..STEEL }, Material::neo_hooke(2e5, 0.4999)];
+    for material in [PLASTIC, STEEL].into_iter().chain(nearly_incompressible) {
         let (nodes, elements) = grid([3, 3, 3], |x| x);
         let mut problem = Problem::new(&nodes, elements, material);
         problem.hold([true; 3], |x| x[2] == 0.0 || x[2] == 1.0);

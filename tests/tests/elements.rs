@@ -2,7 +2,7 @@
 //! written independently.
 
 #[path = "../../generated/elements.rs"]
-mod formulas;
+pub mod formulas;
 
 use diffuse_contact::ad::Ad;
 use diffuse_contact::{FacetElement, Generated, Slip};
@@ -24,7 +24,7 @@ fn interpreted(formulas: impl FnOnce(&ElementModel<'_>), inputs: &[f64], value: 
 }
 
 /// Entries of results by the interpreter.
-fn results_of_graph<const N: usize>(
+pub fn results_of_graph<const N: usize>(
     formulas: impl FnOnce(&ElementModel<'_>),
     mode: Mode,
     inputs: &[f64],
@@ -54,7 +54,7 @@ fn by_duals(inputs: &[f64], variables: usize, f: impl Fn(&[Dual64]) -> Vec<Dual6
     [by_variable[0].iter().map(|x| x.re).collect(), jacobian]
 }
 
-fn assert_close(found: &[f64], expected: &[f64], what: &str) {
+pub fn assert_close(found: &[f64], expected: &[f64], what: &str) {
     assert_eq!(found.len(), expected.len(), "{what}");
     let largest = expected.iter().fold(1.0, |largest: f64, x| largest.max(x.abs()));
     for (k, (x, y)) in found.iter().zip(expected).enumerate() {

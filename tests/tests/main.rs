@@ -17,6 +17,7 @@ mod foot;
 mod friction;
 mod identities;
 mod lanes;
+mod materials;
 mod node_below_slave;
 mod products;
 mod scales;

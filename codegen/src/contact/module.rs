@@ -24,6 +24,8 @@ pub struct EmitOptions<'a> {
     pub support: &'a syn::Path,
     /// Bases of the fit.
     pub bases: &'a [Basis],
+    /// Whether there are kernels of the fit by itself: coefficients and surface.
+    pub fit: bool,
     /// Whether there are kernels with the slip from an anchor.
     pub friction: bool,
     /// Whether the crate that the file goes into is compiled with optimisation.
@@ -31,10 +33,16 @@ pub struct EmitOptions<'a> {
 }
 
 impl<'a> EmitOptions<'a> {
-    /// Kernels of these bases without friction, for a crate that is compiled with optimisation.
+    /// Kernels of these bases for the gap alone, for a crate that is compiled with optimisation.
     #[must_use]
     pub const fn new(support: &'a syn::Path, bases: &'a [Basis]) -> Self {
-        Self { support, bases, friction: false, optimised: true }
+        Self { support, bases, fit: false, friction: false, optimised: true }
+    }
+
+    /// With or without the fit by itself.
+    #[must_use]
+    pub const fn with_fit(self, fit: bool) -> Self {
+        Self { fit, ..self }
     }
 
     /// With or without the slip from an anchor.
@@ -93,12 +101,12 @@ fn side_by_side<R>(
     options: EmitOptions<'_>,
     other: impl FnOnce() -> R,
 ) -> (Result<Vec<String>, TooLong>, R) {
-    let EmitOptions { support, bases, friction, optimised } = options;
     // Tokens do not go from thread to thread.
+    let support = options.support;
     let path = quote!(#support).to_string();
     let of_group = |weights: &[Weight]| {
         let support = syn::parse_str(&path).expect("the tokens of a path are one");
-        let options = EmitOptions::new(&support, bases).with_friction(friction).with_optimised(optimised);
+        let options = EmitOptions { support: &support, ..options };
         Ok(items(&weight_modules(weights, options)?))
     };
     std::thread::scope(|scope| {
@@ -202,7 +210,7 @@ fn weight_module(
     (of, number): (&Weight, usize),
     place: &TokenStream,
     kernels: &TokenStream,
-    EmitOptions { support, bases, friction, optimised }: EmitOptions<'_>,
+    EmitOptions { support, bases, fit, friction, optimised }: EmitOptions<'_>,
 ) -> TokenStream {
     let module = format_ident!("{}", weight.name());
     let set = format_ident!("{}", camel_case(weight.name()));
@@ -216,8 +224,8 @@ fn weight_module(
             quote!(Basis::#name)
         }
     });
-    let scalar = [Output::Coefficients, Output::Surface]
-        .map(|output| scalar_method(output, (of, number), place, bases));
+    let of_fit = [Output::Coefficients, Output::Surface].into_iter().filter(|_| fit);
+    let scalar = of_fit.map(|output| scalar_method(output, (of, number), place, bases));
     let gap = gap_methods(Output::Gap, (of, number), place, bases);
     let slip = friction.then(|| gap_methods(Output::Slip, (of, number), place, bases));
     let description = match weight.is_interpolating() {
@@ -246,6 +254,7 @@ fn weight_module(
                 const WEIGHT: &'static str = #text;
                 const INTERPOLATING: bool = #interpolating;
                 const OPTIMISED: bool = #optimised;
+                const FIT: bool = #fit;
                 const FRICTION: bool = #friction;
                 const BASES: &'static [Basis] = &[#(#all_bases),*];
                 #[allow(unused_parens)]
@@ -275,11 +284,15 @@ fn camel_case(name: &str) -> String {
 }
 
 fn basis_module(weight: &Weight, basis: Basis, options: EmitOptions<'_>) -> Result<TokenStream, TooLong> {
-    let EmitOptions { support, friction, optimised, .. } = options;
+    let EmitOptions { support, fit, friction, optimised, .. } = options;
     let module = format_ident!("{}", basis.name());
     let mut kernels = Vec::new();
-    let specs = KernelSpec::all(basis, weight).into_iter();
-    for spec in specs.filter(|spec| friction || spec.output != Output::Slip) {
+    let is_wanted = |spec: &KernelSpec| match spec.output {
+        Output::Coefficients | Output::Surface => fit,
+        Output::Gap => true,
+        Output::Slip => friction,
+    };
+    for spec in KernelSpec::all(basis, weight).into_iter().filter(is_wanted) {
         let kernel = emit_kernel(&spec);
         if !matches!(basis, Basis::Custom(_)) && kernel.statements > MOST_STATEMENTS {
             let (weight, function) = (weight.name().to_owned(), function_name(&spec).to_string());

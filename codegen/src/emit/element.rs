@@ -11,7 +11,7 @@ use super::node_element::emit_node_kernel;
 use super::{element_module, node_module};
 use crate::graph::Iteration;
 use crate::lower::lower;
-use crate::model::{ElementError, ElementKernels, ElementSpec, Kernel, Mode, Signature};
+use crate::model::{Defined, ElementError, ElementKernels, ElementSpec, Kernel, Mode, Signature};
 use crate::schedule::Program;
 
 /// A kernel of an element as source.
@@ -168,9 +168,12 @@ fn documentation(spec: &ElementSpec, kernel: &EmittedElementKernel) -> Vec<Strin
         lines.push(format!(" * `{}`: {}", derivative.name, derivative.meaning(signature)));
     }
     if !quantities.is_empty() {
-        let names: Vec<String> = quantities.iter().map(|name| format!("`{name}`")).collect();
+        let described = |of: &Defined| {
+            let separator = if of.doc.is_empty() { "" } else { " = " };
+            format!("`{}{separator}{}`", of.name, of.doc)
+        };
         lines.push(String::new());
-        lines.push(format!(" Made of {}.", names.join(", ")));
+        lines.push(format!(" Made of {}.", quantities.iter().map(described).collect::<Vec<_>>().join(", ")));
     }
     if !signature.points.rows.is_empty() {
         lines.push(String::new());

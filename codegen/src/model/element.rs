@@ -3,7 +3,7 @@
 use std::cell::RefCell;
 
 pub use super::element_error::ElementError;
-pub use super::element_outputs::{ElementKernels, ElementSpec, NodeResult};
+pub use super::element_outputs::{Defined, ElementKernels, ElementSpec, NodeResult};
 use super::element_outputs::{Finished, Outputs};
 use super::signature::{Differentiated, Input, Points, Quantity, Returned, Role, Signature};
 use crate::expr::{Expr, Matrix, Sheet, Vector, total};
@@ -30,7 +30,7 @@ pub struct ElementModel<'g> {
     /// Unknowns of equations that depend on the nodes.
     implicit: RefCell<Vec<Implicit<'g>>>,
     outputs: RefCell<Vec<(Returned, Vec<Expr<'g>>)>>,
-    quantities: RefCell<Vec<String>>,
+    quantities: RefCell<Vec<Defined>>,
     points: RefCell<Points>,
     error: RefCell<Option<ElementError>>,
 }
@@ -135,7 +135,7 @@ impl<'g> ElementModel<'g> {
         quantity
     }
 
-    /// Documents an input or an output: meaning and unit, in one line.
+    /// Documents an input, a quantity or an output: meaning, formula, unit, in one line.
     pub fn describe(&self, name: &str, text: &str) {
         let (mut inputs, mut nodes) = (self.inputs.borrow_mut(), self.nodes.borrow_mut());
         if let Some(input) = inputs.iter_mut().chain(nodes.iter_mut()).find(|input| input.name == name) {
@@ -144,6 +144,10 @@ impl<'g> ElementModel<'g> {
             self.outputs.borrow_mut().iter_mut().find(|(value, _)| value.name == name)
         {
             text.clone_into(&mut value.doc);
+        } else if let Some(quantity) =
+            self.quantities.borrow_mut().iter_mut().find(|quantity| quantity.name == name)
+        {
+            text.clone_into(&mut quantity.doc);
         } else {
             self.fail(ElementError::Unknown { name: name.to_owned() });
         }
@@ -154,7 +158,7 @@ impl<'g> ElementModel<'g> {
     #[must_use]
     pub fn define<Q: Quantity<'g>>(&self, name: &str, quantity: Q) -> Q {
         self.check_name(name);
-        self.quantities.borrow_mut().push(name.to_owned());
+        self.quantities.borrow_mut().push(Defined { name: name.to_owned(), doc: String::new() });
         quantity.changed(name, &mut |entry, x| {
             let x = self.with_bound_terms(x);
             if x.value().is_some() {

@@ -17,8 +17,8 @@ pub struct ElementSpec {
     pub signature: Signature,
     /// With how many derivatives.
     pub mode: Mode,
-    /// Names of the quantities that the caller defined.
-    pub quantities: Vec<String>,
+    /// The quantities that the caller defined.
+    pub quantities: Vec<Defined>,
     /// What the kernel's values of nodes are; none of an element of fixed size.
     pub node_results: Vec<NodeResult>,
 }
@@ -69,6 +69,15 @@ pub struct ElementKernels {
     pub kernels: Vec<Kernel<ElementSpec>>,
 }
 
+/// An intermediate quantity.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Defined {
+    /// Its name.
+    pub name: String,
+    /// Its documentation, one line.
+    pub doc: String,
+}
+
 /// Outputs as expressions.
 pub(super) struct Outputs<'g> {
     pub sheet: &'g Sheet,
@@ -80,7 +89,7 @@ pub(super) struct Outputs<'g> {
 /// Results of the kernels by ids.
 pub(super) struct Finished {
     signature: Signature,
-    quantities: Vec<String>,
+    quantities: Vec<Defined>,
     by_mode: Vec<Results>,
 }
 
@@ -102,7 +111,7 @@ struct Variables<'g> {
 }
 
 impl Outputs<'_> {
-    pub fn finish(self, signature: Signature, quantities: Vec<String>) -> Result<Finished, ElementError> {
+    pub fn finish(self, signature: Signature, quantities: Vec<Defined>) -> Result<Finished, ElementError> {
         let inputs = signature.inputs.iter().chain(&signature.nodes);
         let mut declared: Vec<&str> = inputs.flat_map(|input| &input.symbols).map(String::as_str).collect();
         declared.extend(signature.points.symbols.iter().map(String::as_str));

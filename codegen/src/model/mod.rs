@@ -20,7 +20,9 @@ pub(crate) use basis::MOST_COEFFICIENTS;
 pub use basis::{Basis, BasisError, CustomBasis};
 pub(crate) use client::{contact_signature, facet_signature};
 pub use diffuse::Equation;
-pub use element::{ElementError, ElementKernels, ElementModel, ElementSpec, NodeResult, Root, Stationary};
+pub use element::{
+    Defined, ElementError, ElementKernels, ElementModel, ElementSpec, NodeResult, Root, Stationary,
+};
 pub use facet::FacetSpec;
 pub use facet_shape::FacetShape;
 pub(crate) use kernel::CHECKSUM;

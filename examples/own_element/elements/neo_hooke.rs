@@ -27,11 +27,16 @@ fn density<'g>(m: &ElementModel<'g>, F: Mat3<'g>) -> Expr<'g> {
     let [lambda, mu] = m.parameters(["lambda", "mu"]);
     let F = m.define("F", F);
     let J = m.define("J", F.determinant());
+    m.describe("F", "∂x/∂X");
+    m.describe("J", "det F");
+    m.describe("lambda", "λ, Lamé's first constant, force per area");
+    m.describe("mu", "μ, shear modulus, force per area");
     0.5 * mu * (F.double_dot(F) - 3.0) - mu * J.ln() + 0.5 * lambda * J.ln().powi(2)
 }
 
 /// Four nodes: the deformation gradient is the same everywhere.
 pub fn tet4(m: &ElementModel<'_>) {
+    m.title("A tetrahedron that stores W = μ/2 (tr C − 3) − μ ln J + λ/2 (ln J)² per volume.");
     let (x, X): ([Vec3<'_>; 4], [Vec3<'_>; 4]) = (m.variable("x"), m.parameter("X"));
     let [d, D] = [x, X].map(|x| Mat3::from_columns([1, 2, 3].map(|k| x[k] - x[0])));
     m.energy(D.determinant() / 6.0 * density(m, d * D.inverse()));

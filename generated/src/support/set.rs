@@ -20,6 +20,9 @@ pub trait KernelSet {
     /// Whether the weight is an interpolating one, which makes kernels read [`ElementInputs::pole`].
     const INTERPOLATING: bool;
 
+    /// Whether there are kernels of the fit by itself.
+    const FIT: bool = false;
+
     /// Whether there are kernels with the slip from an anchor.
     const FRICTION: bool = false;
 
@@ -40,23 +43,33 @@ pub trait KernelSet {
     #[must_use]
     fn fitting_weight<T: Lane>(r: T) -> T;
 
-    /// α with ∂α/∂x and ∂²α/∂x∂x of each coefficient, number by number.
+    /// α with ∂α/∂x and ∂²α/∂x∂x of each coefficient, number by number. Values of which none is a number if the set has no such
+    /// kernels.
+    #[must_use]
     fn coefficients(
         basis: Basis,
         mode: Mode,
         inputs: &ElementInputs<'_>,
         gradients: &mut [f64],
         hessians: &mut [f64],
-    ) -> CoefficientsValues<f64>;
+    ) -> CoefficientsValues<f64> {
+        let _ = (basis, mode, inputs, gradients, hessians);
+        CoefficientsValues::NONE
+    }
 
-    /// f, f_l, f_lm at `inputs.point` with the gradients ∇f, T_1, T_2 and the Hessian H_f, number by number.
+    /// f, f_l, f_lm at `inputs.point` with the gradients ∇f, T_1, T_2 and the Hessian H_f, number by number. Values of which none is a
+    /// number if the set has no such kernels.
+    #[must_use]
     fn surface(
         basis: Basis,
         mode: Mode,
         inputs: &ElementInputs<'_>,
         gradients: &mut [f64],
         hessians: &mut [f64],
-    ) -> SurfaceValues<f64>;
+    ) -> SurfaceValues<f64> {
+        let _ = (basis, mode, inputs, gradients, hessians);
+        SurfaceValues::NONE
+    }
 
     /// g, foot and ν with the gradient N and the Hessian M: one element, its nodes side by side. A frame that moves is
     /// the average plane of the masters. `isa`: [`best_isa`](Self::best_isa) unless there is a reason for another. Allocates

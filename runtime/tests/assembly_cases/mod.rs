@@ -2,8 +2,9 @@
 #![allow(dead_code, reason = "each test file uses its part")]
 
 use diffuse_contact::assembly::{ContactLaw, ContactView, DofMap, ElementView, Elements, Tangent};
-use diffuse_contact::pairing::{NearestNodes, Pairing, PairingRule, node_normals, pair};
-use diffuse_contact::{Backend, Frame, Generated, Mode, Point};
+use diffuse_contact::neighbourhood::{NeighbourSearch, SearchOptions};
+use diffuse_contact::pairing::{NearestNodes, Pairing};
+use diffuse_contact::{Backend, Frame, Mode, Point, Weight};
 
 /// Deterministic numbers.
 struct Random(u64);
@@ -204,17 +205,13 @@ pub fn cylinder() -> Patch {
         [2.0 * angle.sin(), 0.4 * (k / 9) as f64, 2.0 * angle.cos()]
     };
     let masters: Vec<Point> = (0..63).map(node).collect();
-    let facets: Vec<[usize; 4]> =
-        (0..48).map(|k| k % 8 + 9 * (k / 8)).map(|k| [k, k + 1, k + 10, k + 9]).collect();
-    let normals = node_normals(&masters, &facets);
     let slaves = (0..25).map(|k| [0.31 * (k % 5) as f64 - 0.6, 0.43 * (k / 5) as f64 + 0.29, 1.93]);
     let positions: Vec<Point> = masters.iter().copied().chain(slaves).collect();
     let nodes = NearestNodes::new(masters).unwrap();
-    let rule = PairingRule::default();
-    let pairings: Vec<Pairing> = positions[63..]
-        .iter()
-        .map(|&slave| pair(&Generated, &nodes, &normals, slave, &rule).unwrap())
-        .collect();
+    let mut search = NeighbourSearch::new(SearchOptions::nearest()).unwrap();
+    let mut pairing =
+        |&slave: &Point| search.find(&nodes, slave, [0.0, 0.0, 1.0]).unwrap().pairing(&nodes, Weight::Cubic);
+    let pairings: Vec<Pairing> = positions[63..].iter().map(&mut pairing).collect();
     let outward = pairings.iter().map(|pairing| pairing.frame.normal).collect();
     Patch { positions, masters: 63, pairings, outward }
 }

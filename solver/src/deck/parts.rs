@@ -7,7 +7,7 @@ use diffuse_contact_mesh::ElementKind;
 use super::error::{DeckError, Problem};
 use super::reader::{Field, Section};
 use super::{PartEntry, PartSource, Reference, schema};
-use crate::material::{Material, Plasticity};
+use crate::material::{Material, MaterialModel, Plasticity};
 use crate::model::shape::{
     Axis, Ball, Block, Cylinder, Facets, HalfSpace, KINDS, Pipe, RigidCylinder, RigidPlane, RigidSphere,
     RigidTorus, RigidWave, Shape, Side, Strip, StripPiece,
@@ -24,25 +24,36 @@ fn modulus(field: &Field) -> Result<f64, DeckError> {
 pub(super) fn material(section: &Section) -> Result<Material, DeckError> {
     let section = section.clone().expect(schema::MATERIAL)?;
     let poisson = section.need("poisson")?;
-    let plasticity = match section.get("yield_stress") {
-        Some(yield_stress) => Some(Plasticity {
-            yield_stress: modulus(&yield_stress)?,
-            hardening: match section.get("hardening") {
-                Some(field) => field
-                    .number_in("at least 0 and at most 1e50", |value| (0.0..=MODULI[1]).contains(&value))?,
-                None => 0.0,
-            },
-        }),
-        None => {
-            section.refuse(&["hardening"], "without yield_stress")?;
-            None
-        }
+    let is_hencky = match section.get("model") {
+        Some(model) => model.word(&[("hencky", true), ("neo-hooke", false)])?,
+        None => true,
+    };
+    let model = if is_hencky {
+        MaterialModel::Hencky { plasticity: plasticity(&section)? }
+    } else {
+        section.refuse(&["yield_stress", "hardening"], "for model = \"neo-hooke\", which is elastic")?;
+        MaterialModel::NeoHooke
     };
     Ok(Material {
         young: modulus(&section.need("young")?)?,
         poisson: poisson.number_in("above -1 and below 0.5", |value| value > -1.0 && value < 0.5)?,
-        plasticity,
+        model,
     })
+}
+
+fn plasticity(section: &Section) -> Result<Option<Plasticity>, DeckError> {
+    let Some(yield_stress) = section.get("yield_stress") else {
+        section.refuse(&["hardening"], "without yield_stress")?;
+        return Ok(None);
+    };
+    let yield_stress = modulus(&yield_stress)?;
+    let hardening = match section.get("hardening") {
+        Some(field) => {
+            field.number_in("at least 0 and at most 1e50", |value| (0.0..=MODULI[1]).contains(&value))?
+        }
+        None => 0.0,
+    };
+    Ok(Some(Plasticity { yield_stress, hardening }))
 }
 
 pub(super) fn part(name: &str, section: &Section) -> Result<PartEntry, DeckError> {

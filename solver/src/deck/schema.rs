@@ -14,7 +14,7 @@ pub const DECK: &[&str] = &[
     "output",
 ];
 /// Fields of a material.
-pub const MATERIAL: &[&str] = &["young", "poisson", "yield_stress", "hardening"];
+pub const MATERIAL: &[&str] = &["young", "poisson", "model", "yield_stress", "hardening"];
 /// Fields of any part.
 pub const PART: &[&str] = &["shape", "file", "material", "translate", "rotate"];
 /// Fields of a deformable part that is a shape.

@@ -88,8 +88,8 @@ function summary() {
     ["nodes, elements", (run) => run.summary.size.join(", ")],
   ];
   table("summary", rows.map(([name, value]) => [name, ...runs.map(value)]));
-  const material = ({ young, poisson, plasticity: yields }) =>
-    `E\u00a0${precise(young)}, ν\u00a0${precise(poisson)}${yields ? `, yield stress ${precise(yields.yield_stress)}, hardening ${precise(yields.hardening)}` : ""}`;
+  const material = ({ young, poisson, model, plasticity: yields }) =>
+    `${model === "neo-hooke" ? "neo-Hooke, " : ""}E\u00a0${precise(young)}, ν\u00a0${precise(poisson)}${yields ? `, yield stress ${precise(yields.yield_stress)}, hardening ${precise(yields.hardening)}` : ""}`;
   const parts = (run) => [
     ...run.summary.parts.map((part) => [part.name, part.nodes, part.elements || "", part.material ? material(part.material) : "rigid"]),
     ...run.summary.interfaces.map((each) => [each.interface, "", "", `penalty\u00a0${precise(each.penalty)}${each.adjusted ? `, ${each.adjusted[0]} of ${each.slaves} slaves moved into touch` : ""}`]),

@@ -12,7 +12,7 @@ use nalgebra::{Matrix3, Vector3};
 
 use super::SolidError;
 use super::reference::{self, Reference};
-use crate::material::{Hencky, Isochoric, PointState};
+use crate::material::{Isochoric, Law, PointState};
 use crate::model::Cell;
 
 /// An element of a kind with `N` nodes, the last `I` of which are incompatible modes, `P` points of distortion and `Q` points of dilatation;
@@ -74,7 +74,7 @@ macro_rules! each {
 pub(super) struct Step<'a> {
     /// The element's place, for errors.
     pub index: usize,
-    pub law: &'a Hencky,
+    pub law: &'a Law,
     /// Positions of all nodes.
     pub positions: &'a [[f64; 3]],
     /// States of the element's points at the beginning of the step.

@@ -34,7 +34,7 @@ pub use self::reference::{FacePoint, face_points};
 use diffuse_contact_mesh::ElementKind;
 
 use self::element::{Element, Results, Scratch, Step};
-use crate::material::{Hencky, PointState};
+use crate::material::{Law, PointState};
 use crate::model::Body;
 
 /// Elements that a thread takes at once.
@@ -72,7 +72,7 @@ struct Start {
 
 #[derive(Clone, Debug)]
 struct BodyElements {
-    law: Hencky,
+    law: Law,
     elements: Range<usize>,
     /// The part's name.
     name: String,
@@ -148,7 +148,7 @@ impl Solid {
         let mut parts = Vec::with_capacity(bodies.len());
         for (index, body) in bodies.iter().enumerate() {
             let law =
-                Hencky::new(&body.material).map_err(|source| SolidError::Material { body: index, source })?;
+                Law::new(&body.material).map_err(|source| SolidError::Material { body: index, source })?;
             let start = elements.len();
             let (name, labels) = (body.name.clone(), body.labels.clone());
             let part = BodyElements { law, elements: start..start + body.elements.len(), name, labels };
@@ -332,7 +332,7 @@ impl Solid {
         error::check_finite(positions)
     }
 
-    fn law(&self, element: usize) -> &Hencky {
+    fn law(&self, element: usize) -> &Law {
         &self.body_of(element).law
     }
 

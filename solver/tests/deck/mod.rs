@@ -93,7 +93,7 @@ fn choices(newton: &NewtonSettings) -> (bool, Extrapolation, f64, LinearSolverCh
 fn a_deck_is_read_with_its_defaults() {
     let deck = Deck::parse(DECK).unwrap();
     assert_eq!((deck.title.as_str(), deck.contact), ("Block on a floor", Contact::Diffuse));
-    let plasticity = deck.materials["steel"].plasticity.unwrap();
+    let plasticity = deck.materials["steel"].plasticity().unwrap();
     assert_eq!((plasticity.yield_stress, plasticity.hardening), (400.0, 3450.0));
     assert_eq!(deck.parts.iter().map(|part| part.name.as_str()).collect::<Vec<_>>(), ["block", "floor"]);
     assert_eq!(deck.boundaries[1].axes, [true, false, true]);

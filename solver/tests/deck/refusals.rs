@@ -7,7 +7,7 @@ fn misspelt_fields_name_the_nearest() {
     refused(
         "poisson = 0.3",
         "poison = 0.3",
-        "deck, line 6: [materials.steel] has no field \"poison\" (did you mean \"poisson\"?); it has young, poisson, yield_stress, hardening",
+        "deck, line 6: [materials.steel] has no field \"poison\" (did you mean \"poisson\"?); it has young, poisson, model, yield_stress, hardening",
     );
     refused("title =", "tilte =", "line 2: the deck has no field \"tilte\" (did you mean \"title\"?)");
     refused("[time]", "[tiem]", "the deck has no table \"tiem\" (did you mean \"time\"?)");

@@ -7,7 +7,7 @@ use diffuse_contact::surface::{Facet, MasterSurface};
 use diffuse_contact::{Backend, Generated, MaterialDomain, Mode, Point};
 use serde_json::{Value, json};
 
-fn evaluate(elements: Value) -> Vec<Value> {
+pub fn evaluate(elements: Value) -> Vec<Value> {
     let Run { code, stdout, stderr } =
         run_with_input(&["evaluate", "-"], &json!({"elements": elements}).to_string());
     let answer: Value = serde_json::from_str(&stdout).unwrap();

@@ -8,6 +8,7 @@ mod demo;
 mod elements;
 mod elsewhere;
 mod evaluate;
+mod evaluate_friction;
 mod neighbours;
 #[path = "../../program/tests/runs.rs"]
 mod runs;

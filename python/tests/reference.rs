@@ -6,7 +6,8 @@
 use std::error::Error;
 
 use diffuse_contact::assembly::{ContactLaw, CsrPattern, DofMap, Tangent, add_forces};
-use diffuse_contact::interface::{ContactElement, ContactInterface, InterfaceOptions};
+use diffuse_contact::friction::Coulomb;
+use diffuse_contact::interface::{ContactElement, ContactInterface, Contacts, InterfaceOptions};
 use diffuse_contact::neighbourhood::SearchOptions;
 use diffuse_contact::surface::{Facet, MasterSurface, SymmetryPlane};
 use diffuse_contact::{
@@ -39,6 +40,10 @@ fn main() -> Result<(), Box<dyn Error>> {
     interface("interface/held", InterfaceOptions::default().with_element(held).with_areas(true), &[])?;
     let facets = InterfaceOptions::node_to_facet().with_areas(true);
     interface("interface/node-to-facet", facets, &[])?;
+    friction("friction/node-to-facet", facets)?;
+    if cfg!(feature = "friction") {
+        friction("friction/diffuse", InterfaceOptions::default().with_areas(true))?;
+    }
     adaptive_tangents();
     Ok(())
 }
@@ -120,8 +125,8 @@ fn batch(
     Ok(())
 }
 
-/// A grid of slaves in a trough of quadrilaterals and triangles.
-fn interface(name: &str, options: InterfaceOptions, planes: &[SymmetryPlane]) -> Result<(), Box<dyn Error>> {
+/// A grid of slaves in a trough of quadrilaterals and triangles, and where its nodes are.
+fn scene(name: &str, options: InterfaceOptions) -> Result<(ContactInterface, Vec<Point>), Box<dyn Error>> {
     const CELLS: usize = 8;
     let place = |k: usize| [(k % (CELLS + 1)) as f64, (k / (CELLS + 1)) as f64];
     let height = |x: f64, y: f64| 0.05 * (x - 4.0) * (x - 4.0) + 0.1 * (0.8 * y).sin();
@@ -158,7 +163,13 @@ fn interface(name: &str, options: InterfaceOptions, planes: &[SymmetryPlane]) ->
     print(&format!("{name}/slaves"), slaves.iter().map(|&node| node as f64));
 
     let master = MasterSurface::new(&positions, facets)?;
-    let mut interface = ContactInterface::new(master, slaves, &slave_facets, &positions, options)?;
+    let interface = ContactInterface::new(master, slaves, &slave_facets, &positions, options)?;
+    Ok((interface, positions))
+}
+
+/// The scene moved: gaps and derivatives, forces and tangents.
+fn interface(name: &str, options: InterfaceOptions, planes: &[SymmetryPlane]) -> Result<(), Box<dyn Error>> {
+    let (mut interface, mut positions) = scene(name, options)?;
     interface.set_symmetry(planes)?;
     let report = interface.refresh_pairing(&positions)?;
     print(&format!("{name}/paired"), [report.paired as f64, report.fallbacks.extended as f64]);
@@ -181,15 +192,53 @@ fn interface(name: &str, options: InterfaceOptions, planes: &[SymmetryPlane]) ->
     let dofs = DofMap::standard(positions.len());
     for (tangent, word) in [(Tangent::Exact, "exact"), (Tangent::GaussNewton, "gauss-newton")] {
         let law = ContactLaw::penalty(1e3).with_multipliers(Some(&multipliers)).with_tangent(tangent);
-        let mut residual = vec![0.0; dofs.equations()];
-        add_forces(contacts, &law, &dofs, &mut residual)?;
-        let pattern = CsrPattern::union(contacts, &dofs)?;
-        let mut values = vec![0.0; pattern.entries()];
-        pattern.fill(contacts, &law, &mut values)?;
-        print(&format!("{name}/{word}/residual"), residual);
-        print(&format!("{name}/{word}/offsets"), pattern.row_offsets().iter().map(|&x| x as f64));
-        print(&format!("{name}/{word}/columns"), pattern.columns().iter().map(|&x| x as f64));
-        print(&format!("{name}/{word}/values"), values);
+        system(&format!("{name}/{word}"), contacts, &law, &dofs)?;
+    }
+    Ok(())
+}
+
+/// Forces and tangent of contacts by a law.
+fn system(
+    name: &str,
+    contacts: &Contacts,
+    law: &ContactLaw<'_>,
+    dofs: &DofMap,
+) -> Result<(), Box<dyn Error>> {
+    let mut residual = vec![0.0; dofs.equations()];
+    add_forces(contacts, law, dofs, &mut residual)?;
+    let pattern = CsrPattern::union(contacts, dofs)?;
+    let mut values = vec![0.0; pattern.entries()];
+    pattern.fill(contacts, law, &mut values)?;
+    print(&format!("{name}/residual"), residual);
+    print(&format!("{name}/offsets"), pattern.row_offsets().iter().map(|&x| x as f64));
+    print(&format!("{name}/columns"), pattern.columns().iter().map(|&x| x as f64));
+    print(&format!("{name}/values"), values);
+    Ok(())
+}
+
+/// The slaves have touched, then slid by less and by more than what sticks: forces, tangents and histories.
+fn friction(name: &str, options: InterfaceOptions) -> Result<(), Box<dyn Error>> {
+    let (mut interface, mut positions) = scene(name, options)?;
+    let law = ContactLaw::penalty(1e3).with_friction(Some(Coulomb::new(0.2, 500.0)?));
+    let dofs = DofMap::standard(positions.len());
+    interface.refresh_pairing(&positions)?;
+    interface.accept(&law)?;
+    for (step, by) in [("short", 2e-3), ("long", 0.05)] {
+        let name = format!("{name}/{step}");
+        for &slave in interface.slaves() {
+            positions[slave][0] += by;
+            positions[slave][1] += 0.5 * by;
+        }
+        print(&format!("{name}/moved"), positions.iter().flatten().copied());
+        interface.refresh_pairing(&positions)?;
+        let contacts = interface.evaluate(Mode::Hessian)?;
+        for (tangent, word) in [(Tangent::Exact, "exact"), (Tangent::GaussNewton, "gauss-newton")] {
+            system(&format!("{name}/{word}"), contacts, &law.with_tangent(tangent), &dofs)?;
+        }
+        let report = interface.accept(&law)?;
+        let counts = [report.stuck, report.sliding, report.unanchored].map(|count| count as f64);
+        print(&format!("{name}/report"), counts.into_iter().chain([report.dissipated]));
+        print(&format!("{name}/history"), interface.history());
     }
     Ok(())
 }

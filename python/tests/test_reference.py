@@ -62,20 +62,34 @@ def test_batches(reference):
         same_bits(full.hessian.transpose(0, 2, 1)[:, rows, columns], reference[f"{case}/hessian"])
 
 
+def ints(reference, name, *shape):
+    return reference[name].astype(np.int64).reshape(*shape)
+
+
+def scene(reference, case, **options):
+    """The interface of a case, and where its nodes are."""
+    positions = reference[f"{case}/positions"].reshape(-1, 3)
+    facets, slaves, slave_facets = (
+        ints(reference, f"{case}/{name}", *shape)
+        for name, shape in (("facets", (-1, 4)), ("slaves", (-1,)), ("slave_facets", (-1, 4)))
+    )
+    master = dc.MasterSurface(positions, facets)
+    return dc.ContactInterface(master, slaves, positions, slave_facets=slave_facets, **options), positions
+
+
+def same_matrix(reference, name, matrix):
+    assert matrix.indptr.tolist() == ints(reference, f"{name}/offsets", -1).tolist()
+    assert matrix.indices.tolist() == ints(reference, f"{name}/columns", -1).tolist()
+    same_bits(matrix.data, reference[f"{name}/values"])
+
+
 @pytest.mark.parametrize("threads", [1, 3])
 @pytest.mark.parametrize("case", ELEMENTS)
 def test_interfaces(reference, case, threads):
-    def ints(name, *shape):
-        return reference[f"{case}/{name}"].astype(np.int64).reshape(*shape)
-
     dc.set_threads(threads)
-    positions = reference[f"{case}/positions"].reshape(-1, 3)
-    master = dc.MasterSurface(positions, ints("facets", -1, 4))
-    interface = dc.ContactInterface(
-        master, ints("slaves", -1), positions, slave_facets=ints("slave_facets", -1, 4), **ELEMENTS[case]
-    )
+    interface, positions = scene(reference, case, **ELEMENTS[case])
     report = interface.refresh_pairing(positions)
-    assert [report.paired, report.fallbacks["extended"]] == ints("paired", -1).tolist()
+    assert [report.paired, report.fallbacks["extended"]] == ints(reference, f"{case}/paired", -1).tolist()
     interface.update(reference[f"{case}/moved"].reshape(-1, 3))
     contacts = interface.evaluate()
     assert contacts.outcomes == reference[f"{case}/outcomes"]
@@ -94,9 +108,32 @@ def test_interfaces(reference, case, threads):
     for tangent in ("exact", "gauss-newton"):
         same_bits(interface.forces(1e3, multipliers=multipliers), reference[f"{case}/{tangent}/residual"])
         matrix = interface.tangent(1e3, multipliers=multipliers, tangent=tangent)
-        assert matrix.indptr.tolist() == ints(f"{tangent}/offsets", -1).tolist()
-        assert matrix.indices.tolist() == ints(f"{tangent}/columns", -1).tolist()
-        same_bits(matrix.data, reference[f"{case}/{tangent}/values"])
+        same_matrix(reference, f"{case}/{tangent}", matrix)
+    dc.set_threads(None)
+
+
+@pytest.mark.parametrize("threads", [1, 3])
+@pytest.mark.parametrize("element", ["diffuse", "node-to-facet"])
+def test_friction(reference, element, threads):
+    if element == "diffuse" and not _native.HAS_FRICTION:
+        pytest.skip("built without friction")
+    case = f"friction/{element}"
+    law = {"penalty": 1e3, "friction": (0.2, 500.0)}
+    dc.set_threads(threads)
+    interface, positions = scene(reference, case, element=element)
+    interface.refresh_pairing(positions)
+    interface.accept(**law)
+    for step in ("short", "long"):
+        interface.refresh_pairing(reference[f"{case}/{step}/moved"].reshape(-1, 3))
+        interface.evaluate()
+        for tangent in ("exact", "gauss-newton"):
+            same_bits(interface.forces(**law), reference[f"{case}/{step}/{tangent}/residual"])
+            same_matrix(reference, f"{case}/{step}/{tangent}", interface.tangent(tangent=tangent, **law))
+        report = interface.accept(**law)
+        assert report.stuck + report.sliding > 10
+        counts = [report.stuck, report.sliding, report.unanchored, report.dissipated]
+        same_bits(counts, reference[f"{case}/{step}/report"])
+        same_bits(interface.history, reference[f"{case}/{step}/history"])
     dc.set_threads(None)
 
 

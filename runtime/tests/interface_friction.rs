@@ -6,7 +6,7 @@ use diffuse_contact::affine::{AffinePoint, Carrier};
 use diffuse_contact::assembly::{
     AssemblyError, ContactLaw, DofMap, Tangent, TangentOperator, Triangle, Triplets, add_forces,
 };
-use diffuse_contact::friction::Coulomb;
+use diffuse_contact::friction::{Coulomb, DecayingCoefficient};
 use diffuse_contact::interface::{
     Anchor, ContactInterface, FrictionReport, InterfaceError, InterfaceOptions,
 };
@@ -400,16 +400,43 @@ fn a_stuck_pair_keeps_its_traction_when_it_turns() {
     }
 }
 
+fn bits(numbers: &[f64]) -> Vec<u64> {
+    numbers.iter().map(|number| number.to_bits()).collect()
+}
+
 #[test]
 fn without_a_coefficient_every_bit_is_frictionless() {
-    let mut pressed = Pressed::new(0.0, Weight::Cubic, &[]);
-    assert_eq!((pressed.law, pressed.interface.anchors()), (ContactLaw::penalty(PENALTY), None));
-    let mut sliding = Pressed::new(0.1, Weight::Cubic, &[]);
-    for pressed in [&mut pressed, &mut sliding] {
-        pressed.slide_and_deform([0.03, 0.02, 0.001]);
+    let none: &'static DecayingCoefficient =
+        Box::leak(Box::new(DecayingCoefficient::new(0.0, 0.0, 1.0).unwrap()));
+    let varying = law(0.0).with_friction(Some(Coulomb::variable(none, 0.1, STIFFNESS).unwrap()));
+    let facets = ContactElement::NodeToFacet;
+    for element in
+        Weight::ALL.map(|weight| ContactElement::default().with_weight(weight)).into_iter().chain([facets])
+    {
+        let mut pressed = Pressed::on(0.0, element, &[]);
+        assert_eq!((pressed.law, pressed.interface.anchors()), (ContactLaw::penalty(PENALTY), None));
+        let mut sliding = Pressed::on(0.1, element, &[]);
+        for pressed in [&mut pressed, &mut sliding] {
+            pressed.slide_and_deform([0.03, 0.02, 0.001]);
+        }
+        // An interface that never heard of friction.
+        pressed.law = ContactLaw::penalty(PENALTY);
+        let (forces, tangent) = (pressed.forces(), pressed.tangent().concat());
+        pressed.law = law(0.0);
+        assert_eq!(
+            (bits(&pressed.forces()), bits(&pressed.tangent().concat())),
+            (bits(&forces), bits(&tangent))
+        );
+        // With anchors of a step that had friction, too, and where a coefficient that may vary is 0.
+        let with = sliding.forces();
+        assert!(distance([forces[243], 0.0, 0.0], [with[243], 0.0, 0.0]) > 1e-3 * largest(&forces));
+        for none in [law(0.0), varying] {
+            sliding.law = none;
+            assert!(sliding.interface.anchors().unwrap().iter().any(Option::is_some));
+            assert_eq!(bits(&sliding.forces()), bits(&forces), "{element:?}");
+            assert_eq!(bits(&sliding.tangent().concat()), bits(&tangent), "{element:?}");
+        }
     }
-    let (without, with) = (pressed.forces(), sliding.forces());
-    assert!(distance([without[243], 0.0, 0.0], [with[243], 0.0, 0.0]) > 1e-3 * largest(&without));
 }
 
 #[test]

@@ -1,5 +1,8 @@
 //! Friction in decks: closed forms.
 
+mod energy;
+mod snap_fit;
+
 use std::path::Path;
 
 use diffuse_contact::FrictionState;
@@ -134,8 +137,8 @@ fn augmented_friction_sticks_whatever_its_stiffness() {
     assert!((creeping.1 / stiff.1 - 1.0).abs() > 1e-2, "{creeping:?} {stiff:?}");
 }
 
-/// A block pressed on a strip and dragged along it, with this penalty.
-fn dragged(penalty: f64) -> Deck {
+/// A block pressed on a strip and dragged along it so far, with this penalty.
+fn dragged(way: f64, penalty: f64) -> Deck {
     let text = r#"
         materials.soft = { young = 1000.0, poisson = 0.3 }
         parts.lower = { shape = "box", size = [12.0, 1.0, 3.0], divisions = [12, 1, 3], material = "soft" }
@@ -143,7 +146,7 @@ fn dragged(penalty: f64) -> Deck {
             { nodes = "lower.z-", fix = ["x", "z"] },
             { nodes = ["lower.y-", "lower.y+", "upper.y-", "upper.y+"], fix = ["y"] },
             { nodes = "upper.z+", translate = ["free", "free", -0.1], amplitude = [[0.0, 0.0], [0.2, 1.0]] },
-            { nodes = "upper.z+", translate = [4.0, "free", "free"], amplitude = [[0.2, 0.0], [1.0, 1.0]] },
+            { nodes = "upper.z+", translate = [WAY, "free", "free"], amplitude = [[0.2, 0.0], [1.0, 1.0]] },
         ]
         time = { increment = 0.05 }
 
@@ -161,6 +164,7 @@ fn dragged(penalty: f64) -> Deck {
         integration = "faces"
         friction = 0.3
     "#;
+    let text = text.replace("WAY", &format!("{way:?}"));
     Deck::parse(&format!("{text}penalty = {penalty:?}")).unwrap()
 }
 
@@ -169,7 +173,7 @@ fn dragged(penalty: f64) -> Deck {
 #[test]
 fn a_stiff_contact_slides_without_cut_backs() {
     let [soft, stiff] = [2e4, 9e4].map(|penalty| {
-        let run = run(&dragged(penalty), |snapshot| {
+        let run = run(&dragged(4.0, penalty), |snapshot| {
             let [along, _, up] = snapshot.contact_force();
             (all_slide(snapshot), along / up)
         });
@@ -366,6 +370,34 @@ fn facets_have_friction_over_nodes() {
     assert!(errors[1].abs() < 0.5 * errors[0].abs(), "{errors:?}");
 }
 
+/// The block over nodes by all of the tangent and by its symmetric part, which takes a softer penalty to converge.
+fn assert_symmetric_part_leads_to_the_same(contact: Contact) {
+    let mut deck = Deck { contact, ..block_with("0.1", "1.0") };
+    deck.newton.tolerance = 1e-10;
+    let interface = &mut deck.interfaces[0];
+    (interface.integration, interface.penalty) = (Integration::Nodes, Some(1e3));
+    interface.surface.areas = true;
+    let friction = interface.friction.take().unwrap();
+    let [whole, part] = [false, true].map(|is_symmetric| {
+        deck.interfaces[0].friction = Some(friction.clone().with_symmetric_tangent(is_symmetric));
+        run(&deck, |snapshot| (snapshot.contact_force(), all_slide(snapshot)))
+    });
+    assert!(part.iterations > 2 * whole.iterations && part.cutbacks == 0);
+    assert!(whole.measures.last().unwrap().1);
+    for ((found, _), (expected, _)) in part.measures.iter().zip(&whole.measures) {
+        let size = expected.iter().fold(0.0, |size: f64, x| size.max(x.abs()));
+        assert!(
+            (0..3).all(|axis| (found[axis] - expected[axis]).abs() < 1e-8 * size),
+            "{found:?} {expected:?}"
+        );
+    }
+}
+
+#[test]
+fn the_symmetric_part_of_the_tangent_leads_to_the_same() {
+    assert_symmetric_part_leads_to_the_same(Contact::NodeToFacet);
+}
+
 /// The same with forces at the slave's nodes.
 #[cfg(feature = "friction")]
 mod over_nodes {
@@ -381,6 +413,16 @@ mod over_nodes {
         deck.interfaces[0].two_pass = true;
         let ratio = inclined(&deck);
         assert!((ratio / INCLINED - 1.0).abs() < 3e-4, "{ratio} {INCLINED}");
+    }
+
+    #[test]
+    fn the_work_is_stored_and_dissipated() {
+        energy::assert_first_order(Contact::Diffuse);
+    }
+
+    #[test]
+    fn the_symmetric_part_of_the_tangent_leads_to_the_same() {
+        assert_symmetric_part_leads_to_the_same(Contact::Diffuse);
     }
 
     #[test]

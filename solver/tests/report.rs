@@ -4,6 +4,8 @@ use std::fs;
 use std::path::Path;
 use std::process::Command;
 
+use diffuse_contact_solver::output::{History, HistoryRow, SkinFrame, Summary, read_history};
+
 use crate::decks::{BLOCK, block_in, failing};
 use crate::runs::{Scratch, run};
 
@@ -85,6 +87,7 @@ fn both_elements_are_drawn_together() {
     assert_eq!(text.matches("<script src").count(), 0);
     if let Some(dom) = opened(&scratch, &page) {
         assert_drawn(&dom, 2, true);
+        assert!(!dom.contains("dissipated energy, force · length</option>"));
         assert!(dom.contains("Block &amp; &lt;wave&gt;</h1>"));
         let words = ["diffuse", "node-to-facet", "reaction x, force", "displacement x, length", "CSV", "PNG"];
         for word in words {
@@ -211,4 +214,59 @@ fn results_are_not_replaced_by_their_report() {
     }
     assert_eq!(run(&["report", &out, "-o", &format!("{out}/report.html")]).code, 0);
     assert_eq!(run(&["report", &out, "-o", &format!("{out}/mine.html")]).code, 0);
+}
+
+/// A number of a line's column.
+fn column(history: &History, row: &HistoryRow, name: &str) -> f64 {
+    assert!(history.columns.iter().any(|column| column == name), "{name}");
+    history.value(row, name)
+}
+
+/// What slides at the end, its traction and what it has dissipated: in numbers, on the skin and in the page.
+#[test]
+fn friction_is_in_the_summary_on_the_skin_and_in_the_page() {
+    let scratch = Scratch::new("report-friction");
+    let faces = "name = \"floor\"\nintegration = \"faces\"\nfriction = 0.1";
+    let deck = block_in(8).replace("refresh = \"iteration\"\n", "").replace("name = \"floor\"", faces);
+    let (deck, out) = (scratch.file("block.toml", &deck), scratch.path("out"));
+    assert_eq!(run(&["solve", &deck, "--out", &out]).code, 0);
+    let read = |name: &str| fs::read_to_string(Path::new(&out).join(name)).unwrap();
+
+    let history = read_history(&Path::new(&out).join("history.csv")).unwrap();
+    let row = history.rows.last().unwrap();
+    let last = |name: &str| column(&history, row, name);
+    let summary: Summary = serde_json::from_str(&read("summary.json")).unwrap();
+    let friction = summary.friction["floor"];
+    assert_eq!(summary.friction.len(), 1);
+    assert_eq!(
+        [friction.stuck as f64, friction.sliding as f64],
+        [last("stuck:floor"), last("sliding:floor")]
+    );
+    assert_eq!(friction.dissipated, last("dissipated:floor"));
+    assert_eq!(friction.traction, last("friction_force:floor") / last("contact_area:floor"));
+    // Nearly all slides: friction is 0.1 of the normal force.
+    let ratio = last("friction_force:floor") / last("contact_normal_force:floor");
+    assert!(friction.sliding > 10 && (0.09..0.1001).contains(&ratio), "{friction:?} {ratio}");
+    let dissipated = history.rows.iter().map(|row| column(&history, row, "dissipated:floor"));
+    assert!(friction.dissipated > 0.0 && dissipated.is_sorted());
+
+    let frame: SkinFrame = serde_json::from_str(&read("skins/00008.json")).unwrap();
+    let field = |name: &str| &frame.fields[name];
+    let sliding: Vec<usize> =
+        (0..frame.positions.len()).filter(|&node| field("friction_status")[node] == 2.0).collect();
+    assert_eq!(sliding.len(), friction.sliding);
+    for node in sliding {
+        let (traction, pressure) = (field("contact_friction")[node], field("contact_pressure")[node]);
+        assert!((traction / pressure - 0.1).abs() < 1e-3, "{traction} {pressure}");
+    }
+    if let Some(dom) = opened(&scratch, &format!("{out}/report.html")) {
+        assert_drawn(&dom, 1, true);
+        for shown in [
+            "dissipated energy, force · length</option>",
+            "friction traction</option>",
+            "<td>dissipated energy</td>",
+        ] {
+            assert!(dom.contains(shown), "{shown}");
+        }
+    }
 }

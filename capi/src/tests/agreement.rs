@@ -3,8 +3,7 @@
 use std::ptr::{null, null_mut};
 
 use runtime::assembly::{ContactLaw, DofMap, Tangent, Triangle, Triplets, add_forces};
-use runtime::interface::{ContactInterface, InterfaceOptions};
-use runtime::surface::{Facet, MasterSurface};
+use runtime::interface::InterfaceOptions;
 use runtime::{Element, Frame, FrameDerivative, Generated, Mode, Weight};
 
 use super::Mesh;
@@ -20,15 +19,8 @@ use crate::status::{DC_BAD_SIZE, DC_NO_CONTACT, DC_OK};
 #[test]
 fn an_interface_gives_what_the_runtime_gives() {
     let mesh = Mesh::new();
-    let (positions, _) = mesh.positions.as_chunks::<3>();
-    let quadrilateral = |row: &[i32; 4]| Facet::Quadrilateral(row.map(|node| node as usize));
-    let facets = mesh.facets.as_chunks::<4>().0.iter().map(quadrilateral).collect();
-    let master = MasterSurface::new(positions, facets).unwrap();
-    let slaves = mesh.slaves.iter().map(|&node| node as usize).collect();
-    let slave_facets: Vec<Facet> = mesh.slave_facets.as_chunks::<4>().0.iter().map(quadrilateral).collect();
-    let options = InterfaceOptions::default().with_areas(true);
-    let mut expected = ContactInterface::new(master, slaves, &slave_facets, positions, options).unwrap();
-    expected.refresh_pairing(positions).unwrap();
+    let mut expected = mesh.of_runtime(InterfaceOptions::default().with_areas(true));
+    expected.refresh_pairing(mesh.points()).unwrap();
     let expected = expected.evaluate(Mode::Hessian).unwrap();
 
     let options = crate::options::dc_options { areas: 1, ..super::options() };

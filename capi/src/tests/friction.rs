@@ -2,13 +2,20 @@
 
 use std::ptr::null_mut;
 
+use runtime::Mode;
+use runtime::assembly::{ContactLaw, CsrMap, CsrPattern, DofMap, Tangent, add_forces};
+use runtime::friction::Coulomb;
+use runtime::interface::InterfaceOptions;
+
 use super::misuse::LAW;
 use super::{Mesh, message, options};
 use crate::assembly::{dc_add_forces, dc_triplets};
 use crate::friction::{dc_accept, dc_history, dc_set_history};
 use crate::interface::{dc_destroy, dc_evaluate, dc_interface, dc_refresh};
 use crate::law::dc_law;
+use crate::map::{dc_map_add, dc_map_create, dc_map_destroy};
 use crate::options::dc_options;
+use crate::pattern::{dc_pattern_create, dc_pattern_destroy, dc_pattern_structure};
 use crate::status::{DC_BAD_OPTION, DC_BAD_SIZE, DC_NOT_EVALUATED, DC_OK};
 
 const FRICTION: dc_law = dc_law { friction: 0.2, tangential_stiffness: 500.0, ..LAW };
@@ -117,4 +124,88 @@ fn a_history_outlives_the_handle(options: &dc_options) {
     let status = unsafe { dc_add_forces(handle, &FRICTION, sum.as_mut_ptr(), 120, null_mut()) };
     assert_eq!(status, DC_NOT_EVALUATED, "{}", message());
     assert_eq!(dc_destroy(handle), DC_OK);
+}
+
+/// On facets in every build.
+#[test]
+fn facets_have_the_friction_of_the_runtime_to_the_last_bit() {
+    agrees_with_the_runtime(&dc_options { element: 1, ..options() }, InterfaceOptions::node_to_facet());
+}
+
+#[test]
+#[cfg(feature = "friction")]
+fn the_smooth_surface_has_the_friction_of_the_runtime_to_the_last_bit() {
+    agrees_with_the_runtime(&options(), InterfaceOptions::default());
+}
+
+fn bits(numbers: &[f64]) -> Vec<u64> {
+    numbers.iter().map(|number| number.to_bits()).collect()
+}
+
+/// Forces, the tangent in a matrix of the caller's, and the history: of slaves that stick, then of slaves that slide.
+fn agrees_with_the_runtime(options: &dc_options, of_runtime: InterfaceOptions) {
+    let mesh = Mesh::new();
+    let (status, handle) = mesh.make(options);
+    assert_eq!(status, DC_OK, "{}", message());
+    let mut own = mesh.of_runtime(of_runtime);
+    let coulomb = Coulomb::new(FRICTION.friction, FRICTION.tangential_stiffness).unwrap();
+    let law = ContactLaw::penalty(FRICTION.penalty).with_friction(Some(coulomb));
+    refresh(&mesh, handle);
+    assert_eq!(accept(handle, &FRICTION), DC_OK);
+    own.refresh_pairing(mesh.points()).unwrap();
+    own.accept(&law).unwrap();
+    for (step, sliding) in [(1e-4, 0), (0.05, 4)] {
+        let moved = slid(&mesh, step);
+        refresh(&moved, handle);
+        own.refresh_pairing(moved.points()).unwrap();
+        for tangent in [Tangent::Exact, Tangent::GaussNewton] {
+            let law = law.with_tangent(tangent);
+            let of_c = dc_law { tangent: i32::from(tangent == Tangent::GaussNewton), ..FRICTION };
+            let found = residual(handle, &of_c);
+            let dofs = DofMap::standard(40);
+            let mut forces = vec![0.0; 120];
+            let contacts = own.evaluate(Mode::Hessian).unwrap();
+            add_forces(contacts, &law, &dofs, &mut forces).unwrap();
+            assert_eq!(bits(&found), bits(&forces), "{step}");
+            let pattern = CsrPattern::union(contacts, &dofs).unwrap();
+            let map = CsrMap::within(contacts, &dofs, pattern.row_offsets(), pattern.columns()).unwrap();
+            // What the caller's matrix holds already.
+            let mut values: Vec<f64> = (0..pattern.entries()).map(|k| (k as f64).sin()).collect();
+            let (offsets, columns, from_c) = added(handle, &of_c, &values);
+            map.add(contacts, &law, &mut values).unwrap();
+            assert!(offsets.iter().map(|&offset| offset as usize).eq(pattern.row_offsets().iter().copied()));
+            assert!(columns.iter().map(|&column| column as u32).eq(pattern.columns().iter().copied()));
+            assert_eq!(bits(&from_c), bits(&values), "{step}");
+        }
+        let mut count = 0;
+        let report = own.accept(&law).unwrap();
+        assert_eq!((report.sliding, report.stuck + report.sliding), (sliding, 4));
+        assert_eq!(accept(handle, &FRICTION), DC_OK);
+        let expected = own.history();
+        let mut history = vec![0.0; expected.len()];
+        // SAFETY: the array has the length given.
+        assert_eq!(unsafe { dc_history(handle, history.as_mut_ptr(), history.len(), &mut count) }, DC_OK);
+        assert_eq!((count, bits(&history)), (expected.len(), bits(&expected)));
+    }
+    assert_eq!(dc_destroy(handle), DC_OK);
+}
+
+/// Row offsets and columns of the tangent, and what it makes of a matrix that holds `values` there.
+fn added(handle: *mut dc_interface, law: &dc_law, values: &[f64]) -> (Vec<i32>, Vec<i32>, Vec<f64>) {
+    let (mut pattern, mut map, mut count) = (null_mut(), null_mut(), 0);
+    let mut sums = values.to_vec();
+    // SAFETY: the arrays have the lengths given.
+    unsafe {
+        assert_eq!(dc_pattern_create(handle, &mut pattern, &mut count), DC_OK);
+        assert_eq!(count, values.len());
+        let (mut offsets, mut columns) = (vec![0; 121], vec![0; count]);
+        let rows = (offsets.as_mut_ptr(), columns.as_mut_ptr());
+        assert_eq!(dc_pattern_structure(pattern, rows.0, 121, rows.1, count), DC_OK);
+        assert_eq!(dc_pattern_destroy(pattern), DC_OK);
+        assert_eq!(dc_map_create(handle, rows.0, 121, rows.1, count, &mut map), DC_OK);
+        let status = dc_map_add(map, handle, law, sums.as_mut_ptr(), count, null_mut());
+        assert_eq!(status, DC_OK, "{}", message());
+        assert_eq!(dc_map_destroy(map), DC_OK);
+        (offsets, columns, sums)
+    }
 }

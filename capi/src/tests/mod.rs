@@ -22,6 +22,9 @@ mod window;
 use std::ffi::{CStr, c_char};
 use std::ptr::null;
 
+use runtime::interface::{ContactInterface, InterfaceOptions};
+use runtime::surface::{Facet, MasterSurface};
+
 use crate::interface::{dc_create, dc_interface};
 use crate::options::{dc_options, dc_options_default};
 use crate::status::{DC_OK, dc_message, dc_status};
@@ -71,6 +74,20 @@ impl Mesh {
 
     fn nodes(&self) -> usize {
         self.positions.len() / 3
+    }
+
+    fn points(&self) -> &[[f64; 3]] {
+        self.positions.as_chunks::<3>().0
+    }
+
+    /// The same interface by the runtime.
+    fn of_runtime(&self, options: InterfaceOptions) -> ContactInterface {
+        let quadrilateral = |row: &[i32; 4]| Facet::Quadrilateral(row.map(|node| node as usize));
+        let facets = |corners: &[i32]| corners.as_chunks::<4>().0.iter().map(quadrilateral).collect();
+        let master = MasterSurface::new(self.points(), facets(&self.facets)).unwrap();
+        let slaves = self.slaves.iter().map(|&node| node as usize).collect();
+        let slave_facets: Vec<Facet> = facets(&self.slave_facets);
+        ContactInterface::new(master, slaves, &slave_facets, self.points(), options).unwrap()
     }
 
     /// The status of making an interface, and its handle.

@@ -105,6 +105,34 @@ fn the_tangent_reaches_to_where_slaves_stuck() {
     }
 }
 
+/// μ = 0 leaves every bit, without a history and with that of a step that had friction.
+#[test]
+fn without_a_coefficient_every_bit_is_frictionless() {
+    let none = law().with_friction(Some(Coulomb::new(0.0, STIFFNESS).unwrap()));
+    let bits = |numbers: &[f64]| numbers.iter().map(|number| number.to_bits()).collect::<Vec<u64>>();
+    for element in elements() {
+        let pair = bumps(false);
+        let dofs = DofMap::standard(pair.positions.len());
+        let of = |own: &mut FaceInterface, law: &ContactLaw<'_>| {
+            let contacts = own.evaluate(law, Mode::Hessian).unwrap();
+            let size = dofs.equations();
+            let mut matrix = vec![0.0; size * size];
+            let triplets = contacts.triplets(Tangent::Exact, &dofs).unwrap();
+            triplets.iter().for_each(|(row, column, value)| matrix[row * size + column] += value);
+            (bits(pair.forces(contacts).as_flattened()), bits(&matrix))
+        };
+        let mut never = pair.interface(element, FaceRule::Second);
+        never.refresh(&pair.positions).unwrap();
+        never.accept(&none).unwrap();
+        never.refresh(&moved(&pair, 1.0)).unwrap();
+        let expected = of(&mut never, &ContactLaw::penalty(50.0));
+        let mut own = interface(&pair, element, &[]);
+        assert!(of(&mut own, &law()) != expected);
+        assert!(own.has_history() && of(&mut own, &none) == expected, "{element:?}");
+        assert!(of(&mut never, &none) == expected, "{element:?}");
+    }
+}
+
 /// A step that is given up leaves no trace.
 #[test]
 fn a_step_that_is_given_up_changes_nothing() {

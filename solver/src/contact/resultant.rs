@@ -14,6 +14,8 @@ pub struct Resultant {
     pub moment: Point,
     /// Sum of the moduli of the normal forces, force: over the area it is the mean pressure.
     pub normal: f64,
+    /// Sum of the moduli of friction, force: over the area it is the mean traction.
+    pub friction: f64,
     /// Area of the slave that carries force, length²: of its nodes at the start, over faces the part of them over the master. With two
     /// passes that of the larger side, in contact of a surface with itself the mean of both.
     pub area: f64,
@@ -38,6 +40,7 @@ impl Interaction {
                     sum.centre[axis] += slave.force * x[axis];
                 }
                 sum.normal += slave.force;
+                sum.friction += slave.friction.iter().map(|f| f * f).sum::<f64>().sqrt();
                 area += self.loaded_area(&slave);
             }
             // In two passes both sides carry force, but at the beginning of contact.

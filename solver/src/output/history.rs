@@ -1,5 +1,6 @@
 //! Tables of increments and iterations.
 
+use std::collections::BTreeMap;
 use std::fmt::Write as _;
 use std::fs;
 use std::path::Path;
@@ -8,7 +9,7 @@ use diffuse_contact_mesh::names::shown;
 
 use diffuse_contact::interface::FrictionReport;
 
-use super::OutputError;
+use super::{FrictionSummary, OutputError};
 use crate::contact::Interaction;
 use crate::statics::{IncrementRecord, IterationRecord, Problem};
 
@@ -53,14 +54,20 @@ pub struct HistoryRow {
     pub values: Vec<f64>,
 }
 
+/// The name of an interface or support in those of columns.
+fn column_name(name: &str) -> String {
+    name.replace(|letter: char| letter == ',' || letter == '"' || letter.is_control(), "_")
+}
+
 /// The line of column names.
 pub(super) fn header(problem: &Problem) -> String {
     let mut line = COLUMNS.to_owned();
-    let column_name =
-        |name: &str| name.replace(|letter: char| letter == ',' || letter == '"' || letter.is_control(), "_");
     for interaction in with_friction(problem) {
         let name = column_name(&interaction.options().name);
-        let _ = write!(line, ",stuck:{name},sliding:{name},unanchored:{name},dissipated:{name}");
+        let _ = write!(
+            line,
+            ",stuck:{name},sliding:{name},unanchored:{name},friction_force:{name},dissipated:{name}"
+        );
     }
     for interaction in problem.contacts().interactions() {
         let name = column_name(&interaction.options().name);
@@ -105,9 +112,11 @@ pub(super) fn row(record: &IncrementRecord, problem: &Problem, wall_s: f64) -> S
         record.max_penetration,
         wall_s
     );
-    for (interaction, friction) in with_friction(problem).zip(record.friction.iter().flatten()) {
-        let FrictionReport { stuck, sliding, unanchored, .. } = friction;
-        let _ = write!(line, ",{stuck},{sliding},{unanchored},{:?}", interaction.dissipated());
+    let interactions = problem.contacts().interactions().iter();
+    for ((interaction, contact), friction) in interactions.zip(&record.contacts).zip(&record.friction) {
+        let Some(FrictionReport { stuck, sliding, unanchored, .. }) = friction else { continue };
+        let (force, dissipated) = (contact.friction, interaction.dissipated());
+        let _ = write!(line, ",{stuck},{sliding},{unanchored},{force:?},{dissipated:?}");
     }
     for contact in &record.contacts {
         let _ = write!(line, ",{:?},{:?}", contact.area, contact.normal);
@@ -131,6 +140,26 @@ pub(super) fn row(record: &IncrementRecord, problem: &Problem, wall_s: f64) -> S
 /// yet, and the work of friction so far.
 fn with_friction(problem: &Problem) -> impl Iterator<Item = &Interaction> {
     problem.contacts().interactions().iter().filter(|interaction| interaction.options().friction.is_some())
+}
+
+/// Friction at the end of the last line, of each interaction that has any.
+pub(super) fn last_friction(history: &History, problem: &Problem) -> BTreeMap<String, FrictionSummary> {
+    let of = |interaction: &Interaction| {
+        let name = interaction.options().name.clone();
+        let column = column_name(&name);
+        let value = |what: &str| {
+            history.rows.last().map_or(0.0, |row| history.value(row, &format!("{what}:{column}")))
+        };
+        let area = value("contact_area");
+        let summary = FrictionSummary {
+            stuck: value("stuck") as usize,
+            sliding: value("sliding") as usize,
+            traction: if area > 0.0 { value("friction_force") / area } else { 0.0 },
+            dissipated: value("dissipated"),
+        };
+        (name, summary)
+    };
+    with_friction(problem).map(of).collect()
 }
 
 /// The lines of an increment's iterations.

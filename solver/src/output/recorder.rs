@@ -231,7 +231,7 @@ impl<'a> Recorder<'a> {
     /// `problem` only what does not change is asked for: its last evaluation may be of an increment that failed.
     ///
     /// # Errors
-    /// [`OutputError::Write`].
+    /// [`OutputError::Write`]; those of reading the history that was written.
     pub fn finish(
         &mut self,
         mut summary: Summary,
@@ -269,6 +269,8 @@ impl<'a> Recorder<'a> {
             interfaces.filter(|&name| is_begun && !self.carried.contains(name)).cloned().collect();
         summary.interfaces_vanished.clone_from(&self.vanished);
         summary.interfaces.clone_from(&self.beginnings);
+        let history = super::read_history(&self.directory.path(names::HISTORY))?;
+        summary.friction = history::last_friction(&history, problem);
         let at_start = self.beginnings.iter().flat_map(Beginning::warnings);
         summary.warnings = at_start.chain(summary.shortcomings()).collect();
         summary.linear_bytes = self.linear_bytes;

@@ -71,6 +71,11 @@ impl Skin {
     pub fn frame(&self, increment: usize, time: f64, positions: &[[f64; 3]], fields: &Fields) -> SkinFrame {
         let size = |v: &[f64; 3]| v.iter().map(|x| x * x).sum::<f64>().sqrt();
         let displacement: Vec<f64> = fields.displacement.iter().map(size).collect();
+        let friction = fields.friction.as_ref().map(|friction| {
+            let traction: Vec<f64> = friction.traction.iter().map(size).collect();
+            let status: Vec<f64> = friction.status.iter().copied().map(f64::from).collect();
+            (&friction.slip, traction, status)
+        });
         let mut named: Vec<(&str, &[f64])> = vec![
             ("displacement", &displacement),
             ("contact_pressure", &fields.contact_pressure),
@@ -80,8 +85,10 @@ impl Skin {
             named.push(("von_mises", &stresses.von_mises));
             named.push(("plastic_strain", &stresses.plastic_strain));
         }
-        if let Some(friction) = &fields.friction {
-            named.push(("contact_slip", &friction.slip));
+        if let Some((slip, traction, status)) = &friction {
+            named.push(("contact_slip", slip));
+            named.push(("contact_friction", traction));
+            named.push(("friction_status", status));
         }
         SkinFrame {
             increment,

@@ -77,6 +77,9 @@ pub struct Summary {
     pub max_penetration_ever: f64,
     /// Sum of the contact forces on the slaves of all interactions at the end.
     pub contact_force: [f64; 3],
+    /// Friction at the end, of each interface that has any.
+    #[serde(default)]
+    pub friction: BTreeMap<String, FrictionSummary>,
     /// Seconds of the run; of all runs, if it was restarted.
     pub wall_s: f64,
     /// Share of the last run's time in evaluating contacts, 0 to 1.
@@ -89,6 +92,19 @@ pub struct Summary {
     pub element: String,
     /// Nodes, elements.
     pub size: [usize; 2],
+}
+
+/// Friction of an interface at the end of a run.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct FrictionSummary {
+    /// Slaves that stick.
+    pub stuck: usize,
+    /// Slaves that slide.
+    pub sliding: usize,
+    /// Mean traction: the sum of the moduli of friction over the area that carries force, force per area.
+    pub traction: f64,
+    /// Work of friction so far, energy.
+    pub dissipated: f64,
 }
 
 /// A part of the model.

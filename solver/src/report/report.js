@@ -11,9 +11,9 @@ const runs = data.runs;
 const colours = ["#0b6bcb", "#d9730d", "#2e7d32", "#7b3fa0", "#8a6d00", "#c2185b"];
 // What a quantity is measured in: the deck does not know more.
 const units = {
-  displacement: "length", reaction: "force", von_mises: "force / length²", contact_pressure: "force / length²", contact_gap: "length", contact_slip: "length",
+  displacement: "length", reaction: "force", von_mises: "force / length²", contact_pressure: "force / length²", contact_gap: "length", contact_slip: "length", contact_friction: "force / length²",
 };
-const words = { von_mises: "von Mises stress", plastic_strain: "equivalent plastic strain", contact_pressure: "contact pressure", contact_gap: "contact gap", contact_slip: "way from the anchor" };
+const words = { von_mises: "von Mises stress", plastic_strain: "equivalent plastic strain", contact_pressure: "contact pressure", contact_gap: "contact gap", contact_slip: "way from the anchor", contact_friction: "friction traction", friction_status: "friction status (1 sticks, 2 slides)" };
 const labelled = (name, axis) => `${words[name] || name}${axis ? ` ${axis}` : ""}${units[name] ? `, ${units[name]}` : ""}`;
 // Plots take names for markup.
 const plain = (text) => String(text).replaceAll("&", "&amp;").replaceAll("<", "&lt;");
@@ -56,6 +56,13 @@ function precise(x) {
   return (size !== 0 && (size < 1e-3 || size >= 1e5) ? rounded.toExponential() : String(rounded)).replaceAll("-", "−").replace("e+", "e");
 }
 
+const ofInterfaces = (value) => (run) => Object.values(run.summary.friction).map(value).join("; ");
+const frictionRows = [
+  ["slaves that stick, that slide, at the end", ofInterfaces((own) => `${own.stuck}, ${own.sliding}`)],
+  ["mean friction traction at the end", ofInterfaces((own) => precise(own.traction))],
+  ["dissipated energy", ofInterfaces((own) => precise(own.dissipated))],
+];
+
 function summary() {
   element("title").textContent = runs[0].summary.title;
   const failed = runs.filter((run) => !run.summary.converged);
@@ -82,6 +89,7 @@ function summary() {
     ["Newton iterations", (run) => run.summary.newton_iterations],
     ["largest penetration", (run) => precise(run.summary.max_penetration_ever)],
     ["contact force at the end: x, y, z", (run) => run.summary.contact_force.map(precise).join(", ")],
+    ...(runs.some(hasFriction) ? frictionRows : []),
     ["wall time, s", (run) => precise(run.summary.wall_s)],
     ["share of contact evaluation", (run) => `${(100 * run.summary.contact_share).toFixed(1)} %`],
     ["share of pairing", (run) => `${(100 * run.summary.pairing_share).toFixed(1)} %`],
@@ -139,19 +147,28 @@ function force() {
 }
 
 // What interfaces exert over time: of each a line for each run.
-const quantities = [
-  ["mean pressure, force / length²", (at) => at("area").map((area, k) => (area > 0 ? at("normal_force")[k] / area : 0))],
-  ["area, length²", (at) => at("area")],
-  ...["x", "y", "z"].map((axis) => [`force ${axis}, force`, (at) => at(`force_${axis}`)]),
-  ...["x", "y", "z"].map((axis) => [`moment about ${axis} through the origin, force · length`, (at) => at(`moment_${axis}`)]),
-  ...["x", "y", "z"].map((axis) => [`centre of pressure ${axis}, length`, (at) => at(`centre_${axis}`).map((x, k) => (at("area")[k] > 0 ? x : null))]),
+const overArea = (at, force) => at(force).map((sum, k) => (at("contact_area")[k] > 0 ? sum / at("contact_area")[k] : 0));
+const ofContact = [
+  ["mean pressure, force / length²", (at) => overArea(at, "contact_normal_force")],
+  ["area, length²", (at) => at("contact_area")],
+  ...["x", "y", "z"].map((axis) => [`force ${axis}, force`, (at) => at(`contact_force_${axis}`)]),
+  ...["x", "y", "z"].map((axis) => [`moment about ${axis} through the origin, force · length`, (at) => at(`contact_moment_${axis}`)]),
+  ...["x", "y", "z"].map((axis) => [`centre of pressure ${axis}, length`, (at) => at(`contact_centre_${axis}`).map((x, k) => (at("contact_area")[k] > 0 ? x : null))]),
 ];
+const ofFriction = [
+  ["dissipated energy, force · length", (at) => at("dissipated")],
+  ["mean friction traction, force / length²", (at) => overArea(at, "friction_force")],
+  ["slaves that stick", (at) => at("stuck")],
+  ["slaves that slide", (at) => at("sliding")],
+];
+const hasFriction = (run) => Object.keys(run.summary.friction).length > 0;
+const quantities = runs.some(hasFriction) ? [...ofContact, ...ofFriction] : ofContact;
 const interfacesOf = (run) => Object.keys(run.history).filter((key) => key.startsWith("contact_area:")).map((key) => key.slice(13));
 
 function contact() {
   const [title, values] = quantities[element("quantity").value];
   const traces = runs.flatMap((run, r) => interfacesOf(run).map((name, k) => ({
-    x: run.history.time, y: values((what) => run.history[`contact_${what}:${name}`] || []), name: plain(runs.length > 1 ? `${name} (${run.label})` : name),
+    x: run.history.time, y: values((what) => run.history[`${what}:${name}`] || []), name: plain(runs.length > 1 ? `${name} (${run.label})` : name),
     mode: "lines+markers", marker: { size: 5 }, line: { color: colours[(k + r * interfacesOf(run).length) % colours.length], dash: r ? "dash" : "solid" },
   })));
   return draw("contact", traces, layout(traces, { text: "time" }, { text: title }));

@@ -29,6 +29,7 @@ fn the_example_decks_build() {
         ("press_fit", (24 * 6 * 2 + 20 * 8 * 2, 40, 48)),
         ("shaft_in_bush", (120, 160, 60)),
         ("shallow_ironing", (60 * 12 + 12 * 6, 60, 12 + 2 * 6)),
+        ("snap_fit", (810, 198, 36 * 7)),
         ("squeezed_tube", (48, 72, 24)),
         ("crushed_serpentine", (128, 132, 132)),
         ("coil_spring", (320, 320, 320)),

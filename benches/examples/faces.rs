@@ -7,14 +7,19 @@
 //! Faces a little finer than the facets of a wavy surface, all of them pressed in. Before them the kernel of a point by itself, with nine
 //! masters.
 
+use std::hint::black_box;
 use std::time::Instant;
 
 use diffuse_contact::assembly::ContactLaw;
 use diffuse_contact::faces::{FaceInterface, FaceOptions};
 use diffuse_contact::surface::{Facet, MasterSurface};
 use diffuse_contact::{
-    BatchScratch, Domains, Element, ElementError, FootSlot, Frame, GapSlot, Generated, InterfaceOptions,
-    MaterialDomain, MaterialNode, MaterialPlace, Mode, Point, Weight,
+    Basis, BatchScratch, Domains, Element, ElementError, FootSlot, Frame, GapSlot, Generated,
+    InterfaceOptions, MaterialDomain, MaterialNode, MaterialPlace, Mode, Point, Weight,
+};
+use diffuse_contact_kernels::cubic::Cubic;
+use diffuse_contact_kernels::support::{
+    BatchElement, ElementInputs, FrameRule, GapValues, KernelSet, Masters, SecondKind, Status, Workspace,
 };
 
 type Failure = Box<dyn std::error::Error>;
@@ -31,7 +36,15 @@ fn main() -> Result<(), Failure> {
         std::env::args().nth(k).map_or(Ok(otherwise), |argument| argument.parse::<usize>())
     };
     let (side, rounds) = (argument(1, 100)?, argument(2, 5)?);
-    println!("kernel of a point, nine masters, in a batch: {:.3} µs", kernel(rounds)?);
+    let patches = Patches::new()?;
+    println!("a point of nine masters in a batch, µs");
+    for (name, kind) in [
+        ("kernel: gap, foot, normal, N, ∂ν/∂x, φ", SecondKind::FactorsAndFoot),
+        ("kernel: gap, foot, normal, N and the slave's rows of M, as faces have them", SecondKind::SlaveRows),
+    ] {
+        println!("{name} {:.3}", patches.kernel(kind, rounds));
+    }
+    println!("the first with ∂x^d/∂x, elements checked {:.3}", patches.checked(rounds)?);
     let wave = std::f64::consts::TAU / WAVELENGTH;
     let height = |x: f64, y: f64| (wave * x).sin() * (wave * y).cos();
     let nodes = side + 1;
@@ -68,54 +81,119 @@ fn main() -> Result<(), Failure> {
     Ok(())
 }
 
-/// The kernel of a point by itself, of nine masters in a patch that is curved and uneven: µs for gap, foot, normal, N and first derivatives of
-/// the last two.
-fn kernel(rounds: usize) -> Result<f64, Failure> {
-    const MASTERS: usize = 9;
-    const ELEMENTS: usize = 512;
-    let ripple = |k: usize| 0.1 * (1.7 * k as f64).sin();
-    let patches: Vec<(Vec<Point>, Vec<MaterialNode>, Point, Frame)> = (0..ELEMENTS)
-        .map(|element| {
+/// Points whose kernels are timed, of nine masters in patches that are curved and uneven.
+struct Patches {
+    masters: Vec<Vec<Point>>,
+    nodes: Vec<Vec<MaterialNode>>,
+    slaves: Vec<(Point, Frame)>,
+}
+
+const MASTERS: usize = 9;
+const ELEMENTS: usize = 512;
+/// As in `benches/src/batch.rs`: results stay in the cache.
+const BATCH: usize = 16;
+
+impl Patches {
+    fn new() -> Result<Self, ElementError> {
+        let ripple = |k: usize| 0.1 * (1.7 * k as f64).sin();
+        let (mut all, up) =
+            (Self { masters: Vec::new(), nodes: Vec::new(), slaves: Vec::new() }, [0.0, 0.0, 1.0]);
+        for element in 0..ELEMENTS {
             let at = |k: usize, shift: usize| (k as f64) - 1.0 + ripple(MASTERS * element + k + shift);
             let masters: Vec<Point> =
                 (0..MASTERS).map(|k| [at(k % 3, k), at(k / 3, 5 + k), ripple(3 * element + k)]).collect();
-            let domains: Vec<MaterialDomain> = masters
-                .iter()
-                .filter_map(|&x| {
-                    MaterialDomain::of_ellipsoid(x, [[6.0, 0.0, 0.0], [0.0, 6.0, 0.0], [0.0, 0.0, 6.0]])
-                })
-                .collect();
+            let sphere = [[6.0, 0.0, 0.0], [0.0, 6.0, 0.0], [0.0, 0.0, 6.0]];
+            let domains: Vec<MaterialDomain> =
+                masters.iter().filter_map(|&x| MaterialDomain::of_ellipsoid(x, sphere)).collect();
             let slave = [ripple(element), ripple(element + 1), -0.05];
-            let up = [0.0, 0.0, 1.0];
             let place = MaterialPlace::find(slave, &masters, &domains, |r| Weight::Cubic.fitting(r), up)?;
-            Ok((masters, place.nodes(&domains), slave, place.frame))
-        })
-        .collect::<Result<_, ElementError>>()?;
-    let elements: Vec<Element<'_>> = patches
-        .iter()
-        .map(|(masters, nodes, slave, frame)| {
-            Element::new(*slave, masters, *frame, 1.0).with_domains(Domains::Material(nodes))
-        })
-        .collect();
-    let form = Generated.hessian_form(&elements[0])?;
-    let freedoms = form.degrees_of_freedom();
-    let mut gradients = vec![0.0; freedoms * ELEMENTS];
-    let mut numbers = vec![0.0; form.foot_numbers() * ELEMENTS];
-    let (mut weights, mut rows) = (vec![0.0; MASTERS], [vec![0.0; 3 * freedoms], vec![0.0; 3 * freedoms]]);
-    let mut scratch = BatchScratch::default();
-    let mut best = f64::INFINITY;
-    for _ in 0..20 * rounds {
-        let start = Instant::now();
-        let slots = gradients.chunks_mut(freedoms).zip(numbers.chunks_mut(form.foot_numbers()));
-        let slots = slots.map(|(gradient, hessian)| GapSlot { gradient, hessian });
-        let points = Generated.gap_foot_batch(&elements, slots, &mut scratch);
-        for (k, point) in points.into_iter().enumerate() {
-            let [foot, normal] = &mut rows;
-            let mut target = FootSlot { weights: &mut weights, foot, normal };
-            let own = &numbers[form.foot_numbers() * k..][..form.foot_numbers()];
-            form.foot_derivatives(&point?, &gradients[freedoms * k..][..freedoms], own, &mut target)?;
+            all.nodes.push(place.nodes(&domains));
+            all.slaves.push((slave, place.frame));
+            all.masters.push(masters);
         }
-        best = best.min(start.elapsed().as_secs_f64());
+        Ok(all)
     }
-    Ok(1e6 * best / ELEMENTS as f64)
+
+    /// What a kernel reads of a point.
+    fn inputs(&self, k: usize) -> ElementInputs<'_> {
+        let (slave, frame) = self.slaves[k];
+        ElementInputs {
+            slave,
+            masters: Masters::Positions(&self.masters[k]),
+            domains: Domains::Material(&self.nodes[k]),
+            plane_reach: frame.reach,
+            t1: frame.t1,
+            t2: frame.t2,
+            normal: frame.normal,
+            support_radius: 1.0,
+            point: [0.0; 2],
+            anchor: [0.0; 3],
+            pole: 0,
+        }
+    }
+
+    /// µs of a point for gap, foot, normal, N and what `kind` says.
+    fn kernel(&self, kind: SecondKind, rounds: usize) -> f64 {
+        let (of, freedoms) = ((Basis::Quadratic, FrameRule::Material), 3 * (MASTERS + 1));
+        let form = Cubic::gap_form(of, MASTERS);
+        let numbers = match kind {
+            SecondKind::SlaveRows => form.slave_rows(),
+            _ => form.foot_numbers(),
+        };
+        let (isa, mut workspace) = (Cubic::best_isa(), Workspace::default());
+        let (mut gradients, mut seconds) = (vec![0.0; freedoms * BATCH], vec![0.0; numbers * BATCH]);
+        let mut best = f64::INFINITY;
+        for _ in 0..20 * rounds {
+            let start = Instant::now();
+            for first in (0..ELEMENTS).step_by(BATCH) {
+                let slots = gradients.chunks_exact_mut(freedoms).zip(seconds.chunks_exact_mut(numbers));
+                let mut elements: Vec<BatchElement<'_>> = (first..)
+                    .zip(slots)
+                    .map(|(k, (gradient, hessian))| BatchElement {
+                        inputs: self.inputs(k),
+                        values: GapValues::NONE,
+                        gradient,
+                        hessian,
+                        places: &[],
+                    })
+                    .collect();
+                Cubic::gap_factors_batch(isa, of, kind, &mut elements, &mut workspace);
+                assert!(elements.iter().all(|element| element.values.status() == Status::Ok));
+                black_box(elements);
+            }
+            best = best.min(start.elapsed().as_secs_f64());
+        }
+        1e6 * best / ELEMENTS as f64
+    }
+
+    /// µs of a point for all first derivatives, its element checked before and ∂x^d/∂x made of N and ∂ν/∂x after.
+    fn checked(&self, rounds: usize) -> Result<f64, Failure> {
+        let elements: Vec<Element<'_>> = (self.masters.iter().zip(&self.nodes).zip(&self.slaves))
+            .map(|((masters, nodes), &(slave, frame))| {
+                Element::new(slave, masters, frame, 1.0).with_domains(Domains::Material(nodes))
+            })
+            .collect();
+        let form = Generated.hessian_form(&elements[0])?;
+        let freedoms = form.degrees_of_freedom();
+        let mut gradients = vec![0.0; freedoms * ELEMENTS];
+        let mut numbers = vec![0.0; form.foot_numbers() * ELEMENTS];
+        let (mut weights, mut rows) =
+            (vec![0.0; MASTERS], [vec![0.0; 3 * freedoms], vec![0.0; 3 * freedoms]]);
+        let mut scratch = BatchScratch::default();
+        let mut best = f64::INFINITY;
+        for _ in 0..20 * rounds {
+            let start = Instant::now();
+            let slots = gradients.chunks_mut(freedoms).zip(numbers.chunks_mut(form.foot_numbers()));
+            let slots = slots.map(|(gradient, hessian)| GapSlot { gradient, hessian });
+            let points = Generated.gap_foot_batch(&elements, slots, &mut scratch);
+            for (k, point) in points.into_iter().enumerate() {
+                let [foot, normal] = &mut rows;
+                let mut target = FootSlot { weights: &mut weights, foot, normal };
+                let own = &numbers[form.foot_numbers() * k..][..form.foot_numbers()];
+                form.foot_derivatives(&point?, &gradients[freedoms * k..][..freedoms], own, &mut target)?;
+            }
+            best = best.min(start.elapsed().as_secs_f64());
+        }
+        Ok(1e6 * best / ELEMENTS as f64)
+    }
 }

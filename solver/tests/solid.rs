@@ -13,7 +13,7 @@ const PLASTIC: Material = STEEL.with_plasticity(Plasticity { yield_stress: 400.0
 #[test]
 fn patch_test() {
     for kind in ELEMENTS {
-        for material in [STEEL, Material { poisson: 0.4999, ..STEEL }, Material::neo_hooke(2e5, 0.4999)] {
+        for material in [STEEL, Material { poisson: 0.4999, ..STEEL }, Material::neo_hooke(2e5, 0.499)] {
             patch(kind, material);
         }
     }
@@ -277,7 +277,8 @@ fn a_tube_of_rubber_is_inflated() {
         }
         // Radial reactions: those of the planes lie across.
         let held = nodes.iter().zip(problem.residual()).filter(|(x, _)| is_inside(x));
-        let outward: f64 = held.map(|(x, residual)| -(x[0] * residual[0] + x[1] * residual[1])).sum();
+        let outward: f64 =
+            held.map(|(x, residual)| -(x[0] * residual[0] + x[1] * residual[1]) / radius(x)).sum();
         outward / (quarter * 1.5 * 0.1)
     };
     // Simpson's rule.
@@ -292,10 +293,11 @@ fn a_tube_of_rubber_is_inflated() {
     let exact =
         (0..=steps).map(|k| weight(k) * slope(inner + width * f64::from(k))).sum::<f64>() * width / 3.0;
     for (kind, around, limit) in [
-        ((ElementKind::Hexahedron8, false), 16, 4e-3),
-        (INCOMPATIBLE, 16, 4e-3),
-        ((ElementKind::Hexahedron20, false), 6, 2e-3),
-        ((ElementKind::Tetrahedron10, false), 6, 4e-3),
+        ((ElementKind::Hexahedron8, false), 16, 2e-3),
+        (INCOMPATIBLE, 16, 2e-3),
+        // Edges are straight: that is their error.
+        ((ElementKind::Hexahedron20, false), 12, 3e-3),
+        ((ElementKind::Tetrahedron10, false), 12, 3e-3),
     ] {
         let found = pressure(around, kind);
         println!("{kind:?}: {found} {exact} {:e}", found / exact - 1.0);

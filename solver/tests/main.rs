@@ -17,6 +17,8 @@ mod multigrid;
 mod output;
 mod paper;
 #[cfg(feature = "program")]
+mod points;
+#[cfg(feature = "program")]
 mod report;
 #[cfg(feature = "program")]
 #[path = "../../program/tests/runs.rs"]

@@ -33,3 +33,4 @@ mod solve_interrupted;
 mod statics;
 mod system;
 mod warnings;
+mod wedges;

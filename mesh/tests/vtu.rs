@@ -88,7 +88,7 @@ fn parse(bytes: &[u8]) -> HashMap<(String, String), Parsed> {
                 .collect(),
             _ => data.chunks(8).map(|chunk| u64::from_le_bytes(chunk.try_into().unwrap())).collect(),
         };
-        let components = attribute(line, "NumberOfComponents").unwrap().parse().unwrap();
+        let components = attribute(line, "NumberOfComponents").map_or(1, |count| count.parse().unwrap());
         let name = attribute(line, "Name").unwrap();
         let parsed = Parsed { kind: kind.into(), components, bits };
         assert!(arrays.insert((section.to_string(), name.to_string()), parsed).is_none());
@@ -128,6 +128,17 @@ fn the_header_tells_sizes_and_byte_order() {
     assert!(text.contains("byte_order=\"LittleEndian\" header_type=\"UInt64\""));
     assert!(text.contains("<Piece NumberOfPoints=\"8\" NumberOfCells=\"5\">"));
     assert!(text.contains("</Piece>\n</UnstructuredGrid>\n<AppendedData"));
+}
+
+/// With the attribute some readers make n × 1 numbers of n.
+#[test]
+fn arrays_of_scalars_name_no_number_of_components() {
+    let bytes = written(&grid());
+    let text = String::from_utf8_lossy(&bytes);
+    let arrays = text.lines().filter(|line| line.starts_with("<DataArray"));
+    let named = arrays.filter(|line| line.contains("NumberOfComponents"));
+    let names: Vec<&str> = named.map(|line| attribute(line, "Name").unwrap()).collect();
+    assert_eq!(names, ["force", "stress", "normal", "Points"]);
 }
 
 #[test]

@@ -3,7 +3,8 @@
 use diffuse_contact::Point;
 use diffuse_contact::assembly::{DofMap, Tangent};
 use diffuse_contact::faces::{
-    FaceContacts, FaceInterface, FaceOptions, FaceReport, FaceRule, NodeContact, QuadraticFace,
+    FaceContacts, FaceInterface, FaceOptions, FaceReport, FaceRule, IntegrationPoint, NodeContact,
+    QuadraticFace,
 };
 use diffuse_contact::interface::InterfaceError;
 use diffuse_contact::surface::Facet;
@@ -221,6 +222,31 @@ impl Faces {
             PyArray1::from_iter(py, nodes.iter().map(|node| node.pressure)),
             PyArray1::from_vec(py, nodes.iter().flat_map(normal).collect()),
             nodes.iter().map(|node| node.outcome.code()).collect(),
+        ))
+    }
+
+    /// Of every point with a contact: its face, position, area, gap, normal, pressure and traction.
+    #[allow(clippy::type_complexity)]
+    fn points<'py>(slf: &Bound<'py, Self>) -> PyResult<(Indices<'py>, [Numbers<'py>; 6])> {
+        let py = slf.py();
+        let this = shared(slf)?;
+        this.contacts(py)?;
+        let interface = &this.interface;
+        let points = threads::run(py, || interface.integration_points())?.map_err(|error| error.raise(py))?;
+        let numbers =
+            |of: fn(&IntegrationPoint) -> f64| PyArray1::from_vec(py, points.iter().map(of).collect());
+        let vectors =
+            |of: fn(&IntegrationPoint) -> Point| PyArray1::from_vec(py, points.iter().flat_map(of).collect());
+        Ok((
+            PyArray1::from_iter(py, points.iter().map(|point| point.face as i64)),
+            [
+                vectors(|point| point.position),
+                numbers(|point| point.area),
+                numbers(|point| point.gap),
+                vectors(|point| point.normal),
+                numbers(|point| point.pressure),
+                vectors(|point| point.friction),
+            ],
         ))
     }
 

@@ -54,6 +54,24 @@ def test_a_uniform_pressure_arrives_at_both_sides(element, degree):
     assert np.allclose(forces, np.outer(areas, [0.0, 0.0, 1.0]), atol=1e-12)
 
 
+def test_points_integrate_to_what_nodes_carry():
+    positions, master, slave = bumps()
+    faces = dc.FaceInterface(dc.MasterSurface(positions, master), slave, positions)
+    report = faces.refresh(positions)
+    with pytest.raises(dc.InterfaceError) as refused:
+        _ = faces.points
+    assert refused.value.code == "not-evaluated"
+    contacts, points = faces.evaluate(PENALTY), faces.points
+    assert len(points.gap) == report.paired and set(points.face) <= set(range(len(slave)))
+    found, carried = contacts.is_contact, points.area @ points.pressure
+    assert carried > 1.0 and np.isclose(carried, contacts.force.sum(), rtol=1e-12)
+    assert np.isclose(points.area @ points.gap, (contacts.area * contacts.gap)[found].sum(), rtol=1e-12)
+    assert np.allclose(np.linalg.norm(points.normal, axis=1), 1.0) and not points.friction.any()
+    # Within the sagitta of its face.
+    middles = positions[slave[points.face]].mean(axis=1)
+    assert np.linalg.norm(points.position - middles, axis=1).max() < 0.75
+
+
 def quadratic_grid(cells, first, height, *, kind):
     """Nodes and faces of second order over [0, 6]²: a lattice of twice the cells, seen from above."""
     side = 2 * cells + 1

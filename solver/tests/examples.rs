@@ -93,28 +93,38 @@ fn patch_test_over_faces() {
     }
 }
 
-/// So do elements of all kinds: faces of second order carry forces by their own shape functions.
+/// So do elements of all kinds, at three ratios of the meshes and with either side as slave: faces of second order carry forces by their
+/// own shape functions.
 #[test]
 fn patch_test_over_faces_of_all_kinds() {
     let kinds = KINDS.map(|(_, kind)| kind);
+    let meshes = [([3, 2, 1], [2, 3, 1]), ([2, 2, 1], [2, 2, 1]), ([2, 1, 1], [4, 3, 1])];
     for (k, upper) in kinds.into_iter().enumerate() {
-        // Against itself and against another kind, the one soft, the other stiff and with the roles exchanged, turn and turn about.
-        for (other, lower) in [upper, kinds[(k + 1) % kinds.len()]].into_iter().enumerate() {
-            let (exchange, penalty) = [(false, 5e3), (true, 5e6)][(k + other) % 2];
-            let mut deck = deck("patch_test.toml", Contact::Diffuse);
-            divide(&mut deck, "lower", &[3, 2, 1]);
-            divide(&mut deck, "upper", &[2, 3, 1]);
-            for part in &mut deck.parts {
-                part.element = if part.name == "lower" { lower } else { upper };
+        for (mesh, (below, above)) in meshes.into_iter().enumerate() {
+            for exchange in [false, true] {
+                // Against itself and another kind, soft and stiff, by one weight and the next, turn and turn about.
+                let turn = k + mesh + usize::from(exchange);
+                let lower = kinds[(k + turn % 2) % kinds.len()];
+                let (penalty, weight) = ([5e3, 5e6][mesh % 2], Weight::ALL[turn % Weight::ALL.len()]);
+                let mut deck = deck("patch_test.toml", Contact::Diffuse);
+                divide(&mut deck, "lower", &below);
+                divide(&mut deck, "upper", &above);
+                for part in &mut deck.parts {
+                    part.element = if part.name == "lower" { lower } else { upper };
+                }
+                deck.newton.tolerance = 1e-13;
+                let interface = &mut deck.interfaces[0];
+                interface.surface.element = interface.surface.element.with_weight(weight);
+                interface.integration = Integration::Faces(FaceRule::Second);
+                (interface.exchange, interface.penalty) = (exchange, Some(penalty));
+                let (Uniformity { stress, other_stress, .. }, force) = pressed(&deck);
+                let error = stress.max(other_stress);
+                assert!(
+                    error < 1e-9,
+                    "{error:e} {upper:?} on {lower:?} {below:?} {above:?} {exchange} {weight:?}"
+                );
+                assert!((force.abs() / 1e4 - 1.0).abs() < 1e-9, "{force}");
             }
-            deck.newton.tolerance = 1e-13;
-            let interface = &mut deck.interfaces[0];
-            interface.integration = Integration::Faces(FaceRule::Second);
-            (interface.exchange, interface.penalty) = (exchange, Some(penalty));
-            let (Uniformity { stress, other_stress, .. }, force) = pressed(&deck);
-            let error = stress.max(other_stress);
-            assert!(error < 1e-9, "{error:e} {upper:?} on {lower:?} {exchange} {penalty:e}");
-            assert!((force.abs() / 1e4 - 1.0).abs() < 1e-9, "{force}");
         }
     }
 }

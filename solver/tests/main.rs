@@ -17,6 +17,8 @@ mod multigrid;
 mod output;
 mod paper;
 #[cfg(feature = "program")]
+mod points;
+#[cfg(feature = "program")]
 mod report;
 #[cfg(feature = "program")]
 #[path = "../../program/tests/runs.rs"]
@@ -31,3 +33,4 @@ mod solve_interrupted;
 mod statics;
 mod system;
 mod warnings;
+mod wedges;

@@ -35,6 +35,31 @@ fn opened(scratch: &Scratch, page: &str) -> Option<String> {
     Some(String::from_utf8(output.stdout).unwrap())
 }
 
+/// Width of a telephone held upright. Browser windows are wider, but not frames.
+const NARROW: u32 = 390;
+
+/// Asserts that nothing of a page sticks out of a narrow frame.
+#[track_caller]
+fn assert_fits(scratch: &Scratch, page: &str) {
+    let text = fs::read_to_string(page).unwrap();
+    // Browsers keep pages of files apart: the page itself says how wide it is.
+    let says = "<script>setInterval(() => {\
+        const root = document.documentElement, ready = document.body.dataset.ready;\
+        parent.postMessage(`${ready} ${innerWidth} ${root.scrollWidth} ${root.clientWidth}`, '*');\
+    }, 100)</script></body>";
+    let end = text.rfind("</body>").unwrap();
+    scratch.file("inner.html", &format!("{}{says}{}", &text[..end], &text[end + "</body>".len()..]));
+    let frame = format!(
+        "<!DOCTYPE html><body><iframe src=\"inner.html\" style=\"width: {NARROW}px; height: 1800px; border: 0\"></iframe>\
+         <script>onmessage = event => {{ document.body.dataset.widths = event.data }}</script></body>"
+    );
+    let Some(dom) = opened(scratch, &scratch.file("frame.html", &frame)) else { return };
+    let said = dom.split("data-widths=\"").nth(1).and_then(|rest| rest.split('"').next()).unwrap();
+    let [ready, inner, content, shown] = said.split(' ').collect::<Vec<_>>()[..] else { panic!("{said}") };
+    assert_eq!((ready, inner), ("true", &*NARROW.to_string()), "{said}");
+    assert!(content.parse::<u32>().unwrap() <= shown.parse().unwrap(), "{said}");
+}
+
 /// The start tag of the element with this id.
 fn tag<'a>(page: &'a str, id: &str) -> &'a str {
     let at = page.find(&format!(" id=\"{id}\"")).unwrap_or_else(|| panic!("no element {id}"));
@@ -94,6 +119,7 @@ fn both_elements_are_drawn_together() {
             assert!(dom.contains(word), "{word}");
         }
     }
+    assert_fits(&scratch, &page);
     if let Some(dom) = opened(&scratch, &format!("{one}/report.html")) {
         assert_drawn(&dom, 1, true);
     }
@@ -115,6 +141,7 @@ fn a_run_without_a_finished_increment_has_a_report() {
         let worst = &worst[..worst.find("</table>").unwrap()];
         assert!(worst.matches("<tr>").count() == 11 && worst.contains("<td>block</td>"), "{worst}");
     }
+    assert_fits(&scratch, &format!("{out}/report.html"));
     let failed: serde_json::Value =
         serde_json::from_str(&fs::read_to_string(Path::new(&out).join("failed.json")).unwrap()).unwrap();
     let size = |node: &serde_json::Value| {

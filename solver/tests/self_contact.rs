@@ -71,15 +71,18 @@ fn three_bodies_meet_without_roles() {
          symmetry = [{{ point = [0, 0, 0], normal = [1, 0, 0] }}, {{ point = [1, 0, 0], normal = [-1, 0, 0] }}]\n\
          [time]\nincrement = 0.25\n"
     );
-    let deck = Deck::parse_named(&deck, Path::new("rings")).unwrap();
-    let run = run(&deck);
-    let (force, depth, loaded) = run.last().unwrap();
-    let cell = std::f64::consts::TAU * 4.0 / 24.0;
-    assert!(*force > 1.0 && *depth < 0.01 * cell, "{force} {depth}");
-    let model = deck.model(Path::new("")).unwrap();
-    for part in ["left", "right", "top"] {
-        let own = loaded.iter().filter(|node| model.node_sets[part].contains(node)).count();
-        assert!(own > 0, "{part} {loaded:?}");
+    let mut deck = Deck::parse_named(&deck, Path::new("rings")).unwrap();
+    for integration in [Integration::Nodes, Integration::Faces(FaceRule::default())] {
+        deck.interfaces[0].integration = integration;
+        let run = run(&deck);
+        let (force, depth, loaded) = run.last().unwrap();
+        let cell = std::f64::consts::TAU * 4.0 / 24.0;
+        assert!(*force > 1.0 && *depth < 0.01 * cell, "{integration:?} {force} {depth}");
+        let model = deck.model(Path::new("")).unwrap();
+        for part in ["left", "right", "top"] {
+            let own = loaded.iter().filter(|node| model.node_sets[part].contains(node)).count();
+            assert!(own > 0, "{integration:?} {part} {loaded:?}");
+        }
     }
 }
 

@@ -258,6 +258,8 @@ pub enum VerificationProblem {
     HertzCylinder,
     /// A ball on a plane
     HertzSphere,
+    /// A cylinder on a block, both elastic
+    ElasticCylinder,
     /// One ring turned in another
     CoaxialCylinders,
     /// A block on a cylinder that turns
@@ -278,10 +280,11 @@ pub enum VerificationProblem {
 
 impl VerificationProblem {
     /// All of them.
-    pub const ALL: [Self; 11] = [
+    pub const ALL: [Self; 12] = [
         Self::PatchTest,
         Self::HertzCylinder,
         Self::HertzSphere,
+        Self::ElasticCylinder,
         Self::CoaxialCylinders,
         Self::SlidingBlock,
         Self::RingBlock,
@@ -303,6 +306,7 @@ impl VerificationProblem {
             Self::PatchTest => "patch_test",
             Self::HertzCylinder => "hertz_cylinder",
             Self::HertzSphere => "hertz_sphere",
+            Self::ElasticCylinder => "elastic_cylinder",
             Self::CoaxialCylinders => "coaxial_cylinders",
             Self::SlidingBlock => "sliding_block",
             Self::RingBlock => "ring_block",

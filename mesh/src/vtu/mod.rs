@@ -275,11 +275,12 @@ impl<'d, W: Write> Xml<'_, 'd, W> {
         writeln!(self.writer, "<{name}>")?;
         for (name, array) in arrays {
             let (layout, name, offset) = (array.layout(), escaped(name), self.offset);
-            writeln!(
-                self.writer,
-                "<DataArray type=\"{}\" Name=\"{name}\" NumberOfComponents=\"{}\" format=\"appended\" offset=\"{offset}\"/>",
-                layout.kind, layout.components
-            )?;
+            write!(self.writer, "<DataArray type=\"{}\" Name=\"{name}\"", layout.kind)?;
+            // Readers such as meshio give an array of n × 1 numbers where one component is named.
+            if layout.components > 1 {
+                write!(self.writer, " NumberOfComponents=\"{}\"", layout.components)?;
+            }
+            writeln!(self.writer, " format=\"appended\" offset=\"{offset}\"/>")?;
             self.offset += layout.appended_bytes();
             self.appended.push(array);
         }

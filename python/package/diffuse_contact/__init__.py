@@ -16,7 +16,7 @@ from ._errors import (
     InterfaceError,
     SurfaceError,
 )
-from ._faces import FaceContacts, FaceInterface, FaceReport, flat_facets
+from ._faces import FaceContacts, FaceInterface, FacePoints, FaceReport, flat_facets
 from ._interface import ContactInterface, CsrMap, Options, adaptive_tangent
 from ._law import Coulomb, DecayingCoefficient, TabulatedCoefficient, TabulatedPressure
 from ._native import __version__
@@ -55,6 +55,7 @@ __all__ = [
     "Extents",
     "FaceContacts",
     "FaceInterface",
+    "FacePoints",
     "FaceReport",
     "FrictionReport",
     "GapBatch",

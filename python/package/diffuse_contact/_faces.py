@@ -100,6 +100,30 @@ class FaceContacts:
         return self.pressure * self.area
 
 
+@dataclass(frozen=True)
+class FacePoints:
+    """The q integration points that lie over the master, face by face.
+
+    Attributes:
+        face: numbers of their faces among the slave's, shape (q,).
+        position: on the slave's own smooth surface, shape (q, 3), length.
+        area: what each stands for of its face in the first configuration, shape (q,), length².
+        gap: shape (q,), length.
+        normal: unit normals of the master, shape (q, 3).
+        pressure: Σ N_A p_A of the nodes of its face, shape (q,), force per area.
+        friction: the same of tractions on the slave, shape (q, 3), force per area; 0 without friction.
+
+    """
+
+    face: Ints
+    position: Floats
+    area: Floats
+    gap: Floats
+    normal: Floats
+    pressure: Floats
+    friction: Floats
+
+
 class FaceInterface(FrictionHistory):
     """Contact integrated over the slave's faces, which passes the patch test between meshes that do not match.
 
@@ -307,6 +331,19 @@ class FaceInterface(FrictionHistory):
         gap, area, pressure, normal, outcomes = self._faces.nodes()
         friction, states, slip = self._faces.friction()
         return FaceContacts(gap, area, pressure, normal.reshape(-1, 3), outcomes, friction.reshape(-1, 3), states, slip)
+
+    @property
+    def points(self) -> FacePoints:
+        """Contact at the integration points, by the pressures of the last evaluation; found anew each time.
+
+        Raises:
+            InterfaceError: ``"not-evaluated"`` if positions have changed since.
+
+        """
+        face, (position, area, gap, normal, pressure, friction) = self._faces.points()
+        return FacePoints(
+            face, position.reshape(-1, 3), area, gap, normal.reshape(-1, 3), pressure, friction.reshape(-1, 3)
+        )
 
     def forces(self, *, out: Floats | None = None) -> Floats:
         """The contact forces on the nodes, shape (equations,); added to ``out`` if that is given.

@@ -65,6 +65,7 @@ mod create;
 mod cut;
 mod evaluate;
 mod friction;
+mod points;
 mod product;
 mod quadratic;
 mod skin;
@@ -72,6 +73,7 @@ mod window;
 
 pub use contacts::{FaceContacts, NodeContact, TangentBlock};
 pub use cut::FaceRule;
+pub use points::IntegrationPoint;
 pub use quadratic::QuadraticFace;
 
 use std::ops::Range;

@@ -2,6 +2,7 @@
 
 mod friction;
 mod law;
+mod points;
 mod window;
 
 use diffuse_contact::assembly::{AssemblyError, ContactLaw, DofMap, Tangent};

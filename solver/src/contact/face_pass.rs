@@ -1,7 +1,7 @@
 //! Contact over the slave's faces, from its points to the entries of the stiffness.
 
 use diffuse_contact::assembly::Tangent;
-use diffuse_contact::faces::{FaceInterface, FaceOptions, FaceRule, NodeContact};
+use diffuse_contact::faces::{FaceInterface, FaceOptions, FaceRule, IntegrationPoint, NodeContact};
 use diffuse_contact::interface::{FrictionReport, InterfaceError, Outcome};
 use diffuse_contact::neighbourhood::Fallback;
 use diffuse_contact::surface::{Facet, MasterSurface};
@@ -189,6 +189,10 @@ impl Pass for FacePass {
                 },
             }
         }))
+    }
+
+    fn integration_points(&self) -> Result<Vec<IntegrationPoint>, InterfaceError> {
+        self.interface.integration_points()
     }
 
     fn add_nodal_forces(&self, all: &mut NodalForces) {

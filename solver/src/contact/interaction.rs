@@ -3,6 +3,7 @@
 use std::collections::HashMap;
 
 use diffuse_contact::assembly::{Tangent, TangentOperator};
+use diffuse_contact::faces::IntegrationPoint;
 use diffuse_contact::friction::FrictionState;
 use diffuse_contact::interface::{FrictionReport, NoContact};
 use diffuse_contact::surface::{Facet, tributary_areas};
@@ -149,6 +150,19 @@ impl Interaction {
     /// The contact of every slave node at the last evaluation, pass by pass.
     pub fn slaves(&self) -> impl Iterator<Item = SlaveState> {
         self.passes.iter().flat_map(|pass| pass.slaves())
+    }
+
+    /// The integration points over the master at the last evaluation, pass by pass; `None` over nodes.
+    ///
+    /// # Errors
+    /// [`ContactError::Interface`] before the first evaluation.
+    pub fn integration_points(&self) -> Result<Option<Vec<IntegrationPoint>>, ContactError> {
+        if self.options.integration == Integration::Nodes {
+            return Ok(None);
+        }
+        let named = |source| ContactError::Interface { interface: self.options.name.clone(), source };
+        let of_passes: Result<Vec<_>, _> = self.passes.iter().map(|pass| pass.integration_points()).collect();
+        Ok(Some(of_passes.map_err(named)?.concat()))
     }
 
     /// Forces on each of `count` nodes at the last evaluation.

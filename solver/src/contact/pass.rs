@@ -3,6 +3,7 @@
 use diffuse_contact::Mode;
 use diffuse_contact::Point;
 use diffuse_contact::assembly::{AssemblyError, ContactLaw, DofMap, Tangent, TangentOperator};
+use diffuse_contact::faces::IntegrationPoint;
 use diffuse_contact::friction::{Coulomb, FrictionError};
 use diffuse_contact::interface::{FrictionReport, InterfaceError, Outcome};
 use diffuse_contact::surface::MasterSurface;
@@ -296,6 +297,11 @@ pub trait Pass: std::fmt::Debug {
 
     /// The contact of every slave node at the last evaluation.
     fn slaves(&self) -> Box<dyn Iterator<Item = SlaveState> + '_>;
+
+    /// The integration points over the master; none over nodes.
+    fn integration_points(&self) -> Result<Vec<IntegrationPoint>, InterfaceError> {
+        Ok(Vec::new())
+    }
 
     /// Adds what each contact exerts on its slave and its masters at the last evaluation.
     fn add_nodal_forces(&self, all: &mut NodalForces);

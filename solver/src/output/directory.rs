@@ -10,15 +10,23 @@ use serde::Serialize;
 use super::{OutputError, names};
 
 /// Files of a directory of results besides those in its folders; the deck, which may be the user's own, is not among them.
-const FILES: [&str; 7] = [
+const FILES: [&str; 8] = [
     names::STATE,
     names::SUMMARY,
     names::HISTORY,
     names::ITERATIONS,
     names::SERIES,
+    names::POINT_SERIES,
     names::FAILED,
     names::REPORT,
 ];
+
+/// Folders of numbered files. That of the points is made when there are some.
+const FOLDERS: [&str; 3] = [names::PICTURES, names::POINTS, names::SKINS];
+
+fn extension(folder: &str) -> &'static str {
+    if folder == names::SKINS { "json" } else { "vtu" }
+}
 
 /// Where results are written.
 #[derive(Clone, Debug)]
@@ -101,7 +109,7 @@ impl Directory {
 
     /// A folder that is a link leads to where others may keep their files.
     fn refuse_links(&self) -> Result<(), OutputError> {
-        for folder in [names::PICTURES, names::SKINS] {
+        for folder in FOLDERS {
             let path = self.path(folder);
             let is_link = path.symlink_metadata().is_ok_and(|found| found.is_symlink());
             if is_link && !self.numbered_in(folder, |_| true).is_empty() {
@@ -123,7 +131,7 @@ impl Directory {
         let Ok(name) = path.strip_prefix(&directory) else { return false };
         let is_file = |file: &&str| name == Path::new(file);
         let mut files = FILES.iter().filter(|&&file| file != names::REPORT).chain([&names::DECK]);
-        files.any(is_file) || [names::PICTURES, names::SKINS].iter().any(|folder| name.starts_with(folder))
+        files.any(is_file) || FOLDERS.iter().any(|folder| name.starts_with(folder))
     }
 
     /// Takes back what was written after increment `last`, and how the run ended: its last picture too, if it was not the turn of
@@ -135,12 +143,12 @@ impl Directory {
 
     /// Pictures and skins whose number is asked for.
     fn numbered(&self, which: impl Fn(usize) -> bool) -> Vec<PathBuf> {
-        [names::PICTURES, names::SKINS].iter().flat_map(|folder| self.numbered_in(folder, &which)).collect()
+        FOLDERS.iter().flat_map(|folder| self.numbered_in(folder, &which)).collect()
     }
 
     /// Those of one folder. Others than the program's own, such as `777.vtu`, have other names: it writes five digits at least.
     fn numbered_in(&self, folder: &str, which: impl Fn(usize) -> bool) -> Vec<PathBuf> {
-        let extension = if folder == names::PICTURES { "vtu" } else { "json" };
+        let extension = extension(folder);
         let entries = fs::read_dir(self.path(folder)).into_iter().flatten().flatten();
         let is_own = |path: &PathBuf| {
             let number = path.file_stem().and_then(|stem| stem.to_str()?.parse::<usize>().ok());
@@ -158,22 +166,26 @@ impl Directory {
 
     /// Temporary files of results that were being written when their run was killed.
     fn leftovers(&self) -> Vec<PathBuf> {
-        let is_own: fn(&str) -> bool = |target| FILES.contains(&target) || target == names::DECK;
-        let folders = [
-            (self.0.clone(), is_own),
-            (self.path(names::PICTURES), |target| target.ends_with(".vtu")),
-            (self.path(names::SKINS), |target| target.ends_with(".json")),
-        ];
-        let mut found = Vec::new();
-        for (folder, belongs) in folders {
+        let of = |folder: PathBuf, belongs: &dyn Fn(&str) -> bool| -> Vec<PathBuf> {
             let entries = fs::read_dir(folder).into_iter().flatten().flatten();
             let is_leftover = |path: &PathBuf| {
                 let name = path.file_name().and_then(|name| name.to_str());
                 name.and_then(file::target_of_temporary).is_some_and(belongs)
             };
-            found.extend(entries.map(|entry| entry.path()).filter(is_leftover));
+            entries.map(|entry| entry.path()).filter(is_leftover).collect()
+        };
+        let mut found = of(self.0.clone(), &|target| FILES.contains(&target) || target == names::DECK);
+        for folder in FOLDERS {
+            let ending = format!(".{}", extension(folder));
+            found.extend(of(self.path(folder), &|target| target.ends_with(&ending)));
         }
         found
+    }
+
+    /// Makes one of its folders.
+    pub fn make(&self, folder: &str) -> Result<(), OutputError> {
+        let path = self.path(folder);
+        fs::create_dir_all(&path).map_err(OutputError::write(&path))
     }
 
     fn remove(&self, paths: impl IntoIterator<Item = PathBuf>) -> Result<(), OutputError> {

@@ -6,6 +6,7 @@
 //! | `history.csv` | a line per increment: iterations, penetration, contact forces, reactions and where their supports are |
 //! | `iterations.csv` | a line per residual |
 //! | `results.pvd`, `results/*.vtu` | for ParaView: displacement, stress, plastic strain, contact gap and pressure |
+//! | `points.pvd`, `points/*.vtu` | the same for integration points, of interfaces over faces: gap, pressure, normal, friction |
 //! | `skins/*.json` | the skin of the bodies with the same fields, for the report |
 //! | `state.json` | what a restart goes on from |
 //! | `summary.json` | how the run ended |
@@ -27,6 +28,7 @@ mod fields;
 mod history;
 mod loads;
 mod picture;
+mod points;
 mod recorder;
 mod saved;
 mod seal;
@@ -76,6 +78,10 @@ pub mod names {
     pub const SERIES: &str = "results.pvd";
     /// Its pictures.
     pub const PICTURES: &str = "results";
+    /// The series of the integration points.
+    pub const POINT_SERIES: &str = "points.pvd";
+    /// Their pictures.
+    pub const POINTS: &str = "points";
     /// Skins for the report.
     pub const SKINS: &str = "skins";
     /// What a restart goes on from.

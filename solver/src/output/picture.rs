@@ -1,5 +1,7 @@
 //! The state at the end of an increment as a VTU file, and the list of them.
 
+use std::path::Path;
+
 use diffuse_contact_mesh::{ElementKind, VtuError, VtuFile};
 
 use super::directory::Directory;
@@ -56,17 +58,32 @@ pub fn write(
         .point_i32("contact_status", &fields.contact_status[..])
         .cell_i32("part", &parts[..])
         .write(&path)
-        .map_err(|error| {
-            OutputError::write(&path)(match error {
-                VtuError::Write { cause, .. } | VtuError::Output { cause } => cause,
-                other => std::io::Error::other(other.to_string()),
-            })
+        .map_err(not_written(&path))
+}
+
+/// The error of a file that was not written.
+pub fn not_written(path: &Path) -> impl Fn(VtuError) -> OutputError + '_ {
+    |error| {
+        OutputError::write(path)(match error {
+            VtuError::Write { cause, .. } | VtuError::Output { cause } => cause,
+            other => std::io::Error::other(other.to_string()),
         })
+    }
 }
 
 /// Writes the list of pictures, each a number and a time.
 pub fn write_series(directory: &Directory, series: &[(usize, f64)]) -> Result<(), OutputError> {
-    directory.write(names::SERIES, |writer| {
+    write_list(directory, names::SERIES, series, name)
+}
+
+/// Writes a list of numbered files.
+pub fn write_list(
+    directory: &Directory,
+    list: &str,
+    series: &[(usize, f64)],
+    name: impl Fn(usize) -> String,
+) -> Result<(), OutputError> {
+    directory.write(list, |writer| {
         writeln!(writer, "<?xml version=\"1.0\"?>")?;
         writeln!(writer, "<VTKFile type=\"Collection\" version=\"1.0\" byte_order=\"LittleEndian\">")?;
         writeln!(writer, "  <Collection>")?;

@@ -6,7 +6,9 @@ use std::time::{Duration, Instant};
 
 use super::directory::Directory;
 use super::saved::{Saved, instructions};
-use super::{Failed, Fields, OutputError, Skin, SkinFrame, SlaveFields, Summary, history, names, picture};
+use super::{
+    Failed, Fields, OutputError, Skin, SkinFrame, SlaveFields, Summary, history, names, picture, points,
+};
 use crate::contact::Beginning;
 use crate::deck::{Colour, Output};
 use crate::model::Model;
@@ -80,6 +82,8 @@ pub struct Recorder<'a> {
     skin: Skin,
     /// Number and time of each increment with a picture.
     series: Vec<(usize, f64)>,
+    /// Those with a picture of the integration points.
+    point_series: Vec<(usize, f64)>,
     begin: Instant,
     /// Seconds of earlier runs.
     earlier_s: f64,
@@ -165,12 +169,14 @@ impl<'a> Recorder<'a> {
         directory.rewind(state.increments, options.output.every)?;
         let history = super::read_history(&directory.path(names::HISTORY))?;
         let times = history.rows.iter().map(|row| (row.increment, history.value(row, "time")));
-        let series = std::iter::once((0, 0.0))
-            .chain(times)
-            .filter(|&(number, _)| directory.path(&picture::name(number)).exists())
-            .collect();
+        let times: Vec<(usize, f64)> = std::iter::once((0, 0.0)).chain(times).collect();
+        let with_file = |name: fn(usize) -> String| {
+            times.iter().copied().filter(|&(number, _)| directory.path(&name(number)).exists()).collect()
+        };
+        let (series, point_series) = (with_file(picture::name), with_file(points::name));
         let mut recorder = Self::new(directory, options, model, state, watcher);
-        (recorder.series, recorder.pending, recorder.carried) = (series, pending, carried);
+        (recorder.series, recorder.point_series) = (series, point_series);
+        (recorder.pending, recorder.carried) = (pending, carried);
         (recorder.vanished, recorder.beginnings) = (vanished, beginnings);
         picture::write_series(&recorder.directory, &recorder.series)?;
         let penetrations = history.rows.iter().map(|row| history.value(row, "max_penetration"));
@@ -198,6 +204,7 @@ impl<'a> Recorder<'a> {
             fingerprint: model.fingerprint(),
             model,
             series: Vec::new(),
+            point_series: Vec::new(),
             begin: Instant::now(),
             earlier_s: 0.0,
             max_penetration_ever: 0.0,
@@ -326,7 +333,9 @@ impl<'a> Recorder<'a> {
         let written = self.write_increment(record, problem, is_shown.then_some(fields));
         if let Err(error) = written {
             (self.state, self.pending, self.carried, self.vanished) = before;
-            self.series.retain(|&(known, _)| known <= self.state.increments);
+            for series in [&mut self.series, &mut self.point_series] {
+                series.retain(|&(known, _)| known <= self.state.increments);
+            }
             return Err(error);
         }
         self.max_penetration_ever = self.max_penetration_ever.max(record.max_penetration);
@@ -348,6 +357,17 @@ impl<'a> Recorder<'a> {
         Ok(())
     }
 
+    /// Writes the integration points of an increment, if there are interfaces over faces.
+    fn show_points(&mut self, record: &IncrementRecord, problem: &Problem) -> Result<(), OutputError> {
+        if points::write(&self.directory, record.number, problem)? {
+            self.point_series.retain(|&(known, _)| known < record.number);
+            self.point_series.push((record.number, record.time));
+            let list = &self.point_series;
+            picture::write_list(&self.directory, names::POINT_SERIES, list, points::name)?;
+        }
+        Ok(())
+    }
+
     fn write_increment(
         &mut self,
         record: &IncrementRecord,
@@ -356,6 +376,7 @@ impl<'a> Recorder<'a> {
     ) -> Result<(), OutputError> {
         if let Some(fields) = shown {
             self.show(fields, problem)?;
+            self.show_points(record, problem)?;
         }
         let row = history::row(record, problem, self.wall_s());
         self.directory.append(names::HISTORY, &format!("{row}\n"))?;

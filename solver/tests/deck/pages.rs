@@ -14,6 +14,7 @@ fn the_example_decks_build() {
     let expected: BTreeMap<&str, (usize, usize, usize)> = BTreeMap::from([
         // Elements, master facets and slave facets.
         ("coaxial_cylinders", (36 * 4 + 40 * 4, 80, 72)),
+        ("elastic_cylinder", (2 * 45 * 24 + 2 * (20 * 20 + 2 * 20 * 14), 80, 90)),
         ("hertz_cylinder", (20 * 20 + 40 * 16, 40, 40)),
         ("hertz_sphere", (9 * 9 * 9 + 3 * 81 * 8, 64, 3 * 81)),
         ("patch_test", (50 + 24, 25, 12)),

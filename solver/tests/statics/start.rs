@@ -79,6 +79,45 @@ fn a_body_that_only_contact_holds_is_held() {
     }
 }
 
+/// A deck over nodes as it is, and over faces.
+fn both_ways(deck: &str) -> [String; 2] {
+    [deck.to_owned(), deck.replace("areas = true", "integration = \"faces\"")]
+}
+
+/// Gaps of exactly 0 and a load: the block stays, and each increment carries its part of 100 × 36.
+#[test]
+fn a_block_exactly_in_touch_carries_its_load() {
+    for deck in both_ways(include_str!("hanging.toml")) {
+        let (notes, ..) = run(&deck, "");
+        assert!(notes.cuts.is_empty() && notes.increments.len() == 10, "{:?}", notes.reasons);
+        assert_eq!(notes.increments.iter().map(|record| record.stabilised).sum::<usize>(), 0);
+        for record in &notes.increments {
+            let [contact] = record.contacts[..] else { panic!("one interface") };
+            assert!((contact.force[2] / (3600.0 * record.time) - 1.0).abs() < 1e-4, "{contact:?}");
+        }
+    }
+}
+
+/// A round cord between plates that both touch it along a line: squeezed by a quarter of its height from the first increment on.
+#[test]
+fn an_o_ring_exactly_in_touch_is_squeezed() {
+    for deck in both_ways(include_str!("o_ring.toml")) {
+        let (notes, ..) = run(&deck, "");
+        assert!(notes.cuts.is_empty() && notes.increments.len() == 20, "{:?}", notes.reasons);
+        assert_eq!(notes.increments.iter().map(|record| record.stabilised).sum::<usize>(), 0);
+        let mut before = 0.0;
+        for record in &notes.increments {
+            let [lower, upper] = [0, 1].map(|k| record.contacts[k].force[2]);
+            assert!(
+                lower > before && (lower + upper).abs() < 1e-4 * lower,
+                "{}: {lower} {upper}",
+                record.time
+            );
+            before = lower;
+        }
+    }
+}
+
 /// A gap larger than a facet is none that contact closes, and the message says what is free.
 #[test]
 fn a_body_far_from_its_master_is_named() {

@@ -1,8 +1,10 @@
 //! Problems with known answers, solved with both elements: how far off each is.
 //!
 //! Every problem is a deck, `examples/NAME.toml`, run as it is and with one thing changed at a time: the element, the mesh, which side is
-//! the master. Penalty, increments and tolerance are those of the deck for both elements.
+//! the master. Increments and tolerance are those of the deck for both elements, and so is the penalty, but for faces beside a deck whose
+//! penalty is per node: there it is the automatic one.
 
+mod elastic;
 mod folding;
 mod hertz;
 mod mindlin;
@@ -34,8 +36,9 @@ use crate::threads::with_threads;
 
 use plot::Chart;
 
-/// The descriptions of a master, the classic one first.
-const SURFACES: [Way; 3] = [Way::FACETS, Way::DIFFUSE, Way::HULL_LAYERS];
+/// The descriptions of a master, the classic one first, and the smooth one over faces beside nodes with the same penalty.
+const SURFACES: [Way; 5] =
+    [Way::FACETS, Way::DIFFUSE, Way::HULL_LAYERS, Way::DIFFUSE_BY_AREA, Way::DIFFUSE_OVER_FACES];
 
 /// An element, which nodes it takes, and what contact is integrated over.
 #[derive(Clone, Copy)]
@@ -44,18 +47,23 @@ struct Way {
     over_faces: bool,
     /// Layers of hulls in place of nodal domains.
     hull_layers: bool,
+    /// The penalty is the automatic one, per area, as over faces it is in place of one per node.
+    by_area: bool,
 }
 
 impl Way {
-    const FACETS: Self = Self { element: Contact::NodeToFacet, over_faces: false, hull_layers: false };
+    const FACETS: Self =
+        Self { element: Contact::NodeToFacet, over_faces: false, hull_layers: false, by_area: false };
     const DIFFUSE: Self = Self { element: Contact::Diffuse, ..Self::FACETS };
     const HULL_LAYERS: Self = Self { hull_layers: true, ..Self::DIFFUSE };
+    const DIFFUSE_BY_AREA: Self = Self { by_area: true, ..Self::DIFFUSE };
     const FACETS_OVER_FACES: Self = Self { over_faces: true, ..Self::FACETS };
     const DIFFUSE_OVER_FACES: Self = Self { over_faces: true, ..Self::DIFFUSE };
 
     const fn name(self) -> &'static str {
         match (self.element, self.over_faces) {
             _ if self.hull_layers => "diffuse, hull layers",
+            _ if self.by_area => "diffuse, automatic penalty",
             (element, false) => element.name(),
             (Contact::NodeToFacet, true) => "facets over faces",
             (Contact::Diffuse | Contact::None, true) => "diffuse over faces",
@@ -67,6 +75,7 @@ impl Way {
         match (self.element, self.over_faces) {
             (_, true) => RGBColor(0, 158, 115),
             _ if self.hull_layers => RGBColor(86, 180, 233),
+            _ if self.by_area => RGBColor(204, 121, 167),
             (Contact::NodeToFacet, false) => RGBColor(213, 94, 0),
             (Contact::Diffuse | Contact::None, false) => RGBColor(0, 114, 178),
         }
@@ -109,6 +118,7 @@ pub fn run(arguments: &VerificationArguments) -> Result<(), CliError> {
                 VerificationProblem::PatchTest => patch::study(&decks),
                 VerificationProblem::HertzCylinder => hertz::cylinder(&decks),
                 VerificationProblem::HertzSphere => hertz::ball(&decks),
+                VerificationProblem::ElasticCylinder => elastic::study(&decks),
                 VerificationProblem::CoaxialCylinders => turning::study(&decks),
                 VerificationProblem::SlidingBlock => sliding::study(&decks),
                 VerificationProblem::RingBlock => ring::study(&decks),
@@ -143,12 +153,20 @@ impl Decks {
         Ok(Deck { contact: element, ..Deck::read(&self.path)? })
     }
 
-    /// The deck as it is, but with this element and these neighbours over nodes or faces.
+    /// The deck as it is, but with this element and these neighbours over nodes or faces. A penalty per node is none per area: the
+    /// automatic one takes its place.
     fn by(&self, way: Way) -> Result<Deck, DeckError> {
         let mut deck = self.with(way.element)?;
         for interface in &mut deck.interfaces {
+            let is_by_area = interface.surface.areas || interface.integration != Integration::Nodes;
+            if !is_by_area && (way.over_faces || way.by_area) {
+                interface.penalty = None;
+            }
             if way.over_faces {
                 interface.integration = Integration::Faces(FaceRule::default());
+            } else {
+                interface.integration = Integration::Nodes;
+                interface.surface.areas = is_by_area;
             }
             if way.hull_layers {
                 let search = SearchOptions::default().with_rule(NeighbourRule::hull_layers(None));

@@ -1,0 +1,105 @@
+//! An elastic cylinder on an elastic block: `contact_pressure` at the nodes against Hertz', inside nearly all of the contact, with cells of
+//! the cylinder that are wide at its end.
+
+use diffuse_contact::Weight;
+use diffuse_contact_solver::deck::Contact;
+use diffuse_contact_solver::output::Fields;
+use diffuse_contact_solver::solve::SolveError;
+use diffuse_contact_solver::verification::{LineContact, trace};
+
+use super::{Decks, Findings, Way, divide, outcome, percent, row};
+use crate::study::markdown::Table;
+
+/// Ways, weights of the fit, and cells of the cylinder's core, 20 in the deck.
+const RUNS: [(Way, Weight, usize); 9] = [
+    (Way::FACETS, Weight::Cubic, 20),
+    (Way::FACETS_OVER_FACES, Weight::Cubic, 20),
+    (Way::DIFFUSE, Weight::Cubic, 20),
+    (Way::DIFFUSE_OVER_FACES, Weight::Cubic, 20),
+    (Way::DIFFUSE_OVER_FACES, Weight::WendlandC2, 20),
+    (Way::DIFFUSE_OVER_FACES, Weight::CubicInterpolating, 20),
+    (Way::FACETS, Weight::Cubic, 40),
+    (Way::FACETS_OVER_FACES, Weight::Cubic, 40),
+    (Way::DIFFUSE_OVER_FACES, Weight::Cubic, 40),
+];
+
+/// E* of both bodies, radius, length of the slice.
+const MODULUS: f64 = 0.5 * 210_000.0 / (1.0 - 0.3 * 0.3);
+const RADIUS: f64 = 10.0;
+const LENGTH: f64 = 0.1;
+
+/// Nodes within so many half widths are compared, and those farther inside.
+const BOUNDS: [f64; 2] = [0.95, 0.85];
+
+/// Pressure of a node over p₀, at a distance over a.
+type Node = [f64; 2];
+
+pub fn study(decks: &Decks) -> Result<Findings, SolveError> {
+    let columns = [
+        "element",
+        "weight",
+        "cells around",
+        "rms",
+        "largest",
+        "at the middle",
+        "rms within 0.85 a",
+        "largest",
+        "iterations",
+        "cut-backs",
+    ];
+    let mut table = Table::new(
+        "Elastic cylinder on elastic block: errors of the pressure over p₀ within 0.95 a",
+        columns,
+    );
+    for (way, weight, cells) in RUNS {
+        let mut deck = decks.by(way)?;
+        divide(&mut deck, "cylinder", &[cells]);
+        for interface in &mut deck.interfaces {
+            interface.surface.element = interface.surface.element.with_weight(weight);
+        }
+        let run = outcome(trace(&deck, decks.base(), decks.threads, |snapshot| {
+            // Half of the cylinder is modelled.
+            let force = 2.0 * snapshot.contact_force()[1].abs() / LENGTH;
+            let exact = LineContact { force, radius: RADIUS, modulus: MODULUS };
+            let (half_width, peak) = (exact.half_width(), exact.peak_pressure());
+            let pressures = Fields::of(snapshot.problem, snapshot.state).contact_pressure;
+            let place = |node: usize| snapshot.problem.start_positions()[node][0].abs();
+            let nodes = snapshot.slaves().map(|slave| slave.node);
+            Ok(nodes.map(|node| [place(node) / half_width, pressures[node] / peak]).collect())
+        }))?;
+        let figures = run.map(|run| {
+            let nodes: &[Node] = run.measures.last().map_or(&[], Vec::as_slice);
+            let [[rms, largest], [inner_rms, inner_largest]] = BOUNDS.map(|bound| errors(nodes, bound));
+            [
+                format!("{:.2} %", 100.0 * rms),
+                percent(largest),
+                percent(middle(nodes)),
+                format!("{:.2} %", 100.0 * inner_rms),
+                percent(inner_largest),
+                run.iterations.to_string(),
+                run.cutbacks.to_string(),
+            ]
+        });
+        let weight = if way.element == Contact::Diffuse { weight.name() } else { "–" };
+        row(&mut table, [way.name(), weight, &cells.to_string()], figures);
+    }
+    Ok(Findings { tables: vec![table], charts: Vec::new() })
+}
+
+fn error([distance, pressure]: Node) -> f64 {
+    pressure - (1.0 - distance * distance).max(0.0).sqrt()
+}
+
+/// Rms and largest of the errors within so many half widths.
+fn errors(nodes: &[Node], bound: f64) -> [f64; 2] {
+    let found: Vec<f64> = nodes.iter().filter(|node| node[0] <= bound).map(|&node| error(node)).collect();
+    let squares: f64 = found.iter().map(|error| error * error).sum();
+    let largest =
+        found.iter().copied().fold(0.0, |most: f64, one| if one.abs() > most.abs() { one } else { most });
+    [(squares / found.len() as f64).sqrt(), largest]
+}
+
+/// The largest error on the line of first touch.
+fn middle(nodes: &[Node]) -> f64 {
+    errors(nodes, 1e-9)[1]
+}

@@ -1,0 +1,65 @@
+//! What contact is at the integration points of the faces.
+
+use super::FaceInterface;
+use crate::interface::InterfaceError;
+use crate::vector::Vector3;
+use crate::{Mode, Point};
+
+/// An integration point that lies over the master.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
+pub struct IntegrationPoint {
+    /// The number of its face among the slave's.
+    pub face: usize,
+    /// Where it lies on the slave's own smooth surface, length.
+    pub position: Point,
+    /// What it stands for of its face in the first configuration, length².
+    pub area: f64,
+    /// g, length.
+    pub gap: f64,
+    /// Unit normal of the master.
+    pub normal: Point,
+    /// p = Σ N_A p_A ≥ 0, force per area.
+    pub pressure: f64,
+    /// t = Σ N_A t_A, friction on the slave, force per area.
+    pub friction: Point,
+}
+
+impl FaceInterface {
+    /// The points with a contact at the positions of the last update, face by face. Pressures and tractions are those that the last
+    /// [`evaluate`](Self::evaluate) gave the nodes, zero before: what is averaged is the pressure, while gaps and normals are each point's
+    /// own. They are found anew by each call.
+    ///
+    /// # Errors
+    /// [`InterfaceError::NotRefreshed`] before the first refresh or update.
+    pub fn integration_points(&self) -> Result<Vec<IntegrationPoint>, InterfaceError> {
+        if self.cut_at.is_none() {
+            return Err(InterfaceError::NotRefreshed);
+        }
+        let mut points = Vec::with_capacity(self.report.paired);
+        self.for_each_point(Mode::Value, |face, point, functions, contact| {
+            if !contact.outcome.is_contact() {
+                return;
+            }
+            let corners = self.faces[face].corners();
+            let (mut pressure, mut friction) = (0.0, Vector3::zeros());
+            for (corner, n) in corners.iter().zip(functions) {
+                let place = self.nodes.binary_search(corner).ok();
+                if let Some(node) = place.and_then(|place| self.contacts.nodes().get(place)) {
+                    pressure += n * node.pressure;
+                    friction = friction + Vector3::from(node.friction) * n;
+                }
+            }
+            points.push(IntegrationPoint {
+                face,
+                position: self.skin.position(face, corners.len(), point.natural, &self.positions),
+                area: point.weight,
+                gap: contact.point.gap,
+                normal: contact.point.normal,
+                pressure,
+                friction: friction.into(),
+            });
+        })?;
+        Ok(points)
+    }
+}

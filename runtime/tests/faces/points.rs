@@ -1,0 +1,72 @@
+//! Gaps, pressures and tractions of the integration points.
+
+use super::*;
+use diffuse_contact::Coulomb;
+
+/// Of points and of nodes: areas, gaps, pressures and tractions over them.
+fn integrals(interface: &FaceInterface) -> [Vec<f64>; 2] {
+    let points = interface.integration_points().unwrap();
+    let of_point = |p: &IntegrationPoint| {
+        let [x, y, z] = p.friction;
+        [1.0, p.gap, p.pressure, x, y, z].map(|value| p.area * value)
+    };
+    let of_node = |node: &NodeContact| {
+        let [x, y, z] = node.friction;
+        [1.0, node.gap, node.pressure, x, y, z].map(|value| node.area * value)
+    };
+    let sum = |terms: Vec<[f64; 6]>| (0..6).map(|k| terms.iter().map(|term| term[k]).sum()).collect();
+    let nodes = interface.contacts().nodes();
+    [sum(points.iter().map(of_point).collect()), sum(nodes.iter().map(of_node).collect())]
+}
+
+#[test]
+fn points_of_flat_faces_have_the_uniform_pressure() {
+    let flat = |z: f64| move |x: f64, y: f64| [x, y, z];
+    let pair = Pair::new([6, 4], false, flat(0.0), flat(-0.02));
+    for element in elements() {
+        let mut interface = pair.interface(element, FaceRule::Second);
+        assert_eq!(interface.integration_points(), Err(InterfaceError::NotRefreshed));
+        let report = interface.refresh(&pair.positions).unwrap();
+        assert!(interface.integration_points().unwrap().iter().all(|point| point.pressure == 0.0));
+        interface.evaluate(&ContactLaw::penalty(50.0), Mode::Value).unwrap();
+        let points = interface.integration_points().unwrap();
+        assert_eq!(points.len(), report.points);
+        for point in &points {
+            let inside = |corner: &usize| {
+                let x = pair.positions[*corner];
+                (0..2).all(|axis| (x[axis] - point.position[axis]).abs() < 1.5)
+            };
+            assert!(pair.slave[point.face].corners().iter().all(inside), "{point:?}");
+            assert!(
+                (point.position[2] + 0.02).abs() < 1e-14 && (point.gap + 0.02).abs() < 1e-14,
+                "{point:?}"
+            );
+            assert!((point.pressure - 1.0).abs() < 1e-12 && point.friction == [0.0; 3], "{point:?}");
+            assert!((Vector3::from(point.normal) - Vector3::z()).norm() < 1e-14, "{point:?}");
+        }
+        assert!((points.iter().map(|point| point.area).sum::<f64>() - 36.0).abs() < 1e-12);
+    }
+}
+
+/// Shape functions add up to one: what the points integrate is what the nodes do.
+#[test]
+fn points_integrate_to_what_nodes_carry() {
+    for element in elements() {
+        for triangles in [false, true] {
+            let pair = bumps(triangles);
+            let mut interface = pair.interface(element, FaceRule::Fourth);
+            let law = ContactLaw::penalty(50.0).with_friction(Some(Coulomb::new(0.3, 60.0).unwrap()));
+            interface.refresh(&pair.positions).unwrap();
+            interface.accept(&law).unwrap();
+            let mut moved = pair.positions.clone();
+            moved[pair.first_slave..].iter_mut().for_each(|x| x[0] += 0.01);
+            interface.refresh(&moved).unwrap();
+            interface.evaluate(&law, Mode::Gradient).unwrap();
+            let [points, nodes] = integrals(&interface);
+            assert!(nodes[2] > 1.0 && nodes[3] < -0.1, "{nodes:?}");
+            for (point, node) in points.iter().zip(&nodes) {
+                assert!((point - node).abs() < 1e-12 * nodes[0], "{points:?} {nodes:?}");
+            }
+        }
+    }
+}

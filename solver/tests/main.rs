@@ -16,6 +16,7 @@ mod model;
 mod multigrid;
 mod output;
 mod paper;
+mod proposals;
 #[cfg(feature = "program")]
 mod report;
 #[cfg(feature = "program")]

@@ -58,7 +58,7 @@ module diffuse_contact
             extended = 0, linear = 0, contacts_lost = 0, contacts_gained = 0, jump_node = -1, lost_node = -1, &
             gained_node = -1
         real(c_double) :: jump_before = 0, jump_after = 0, lost_gap = 0, gained_gap = 0
-        integer(c_int32_t) :: rebuilt = 0
+        integer(c_int32_t) :: rebuilt = 0, deep = 0
     end type
 
     !> What the cutting of the faces gave.

@@ -351,6 +351,9 @@ typedef struct dc_report {
     // Whether the pairings were made anew, so that patterns of before are no longer theirs: 0 or 1. With DC_DOMAINS 0 while nothing has
     // moved by more than half the skin of the lists, with other rules always 1; 0 of a frozen interface.
     int32_t rebuilt;
+    // Of those paired: deeper below the closest facet than a tenth of its size, the root of its area, when they were paired. If most are,
+    // the master may be inside out.
+    int32_t deep;
 } dc_report;
 
 // The contact of one slave. Without contact the numbers are 0, but for the area.

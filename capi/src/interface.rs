@@ -305,6 +305,9 @@ pub struct dc_report {
     /// Whether the pairings were made anew, so that patterns of before are no longer theirs: 0 or 1. With DC_DOMAINS 0 while nothing has
     /// moved by more than half the skin of the lists, with other rules always 1; 0 of a frozen interface.
     pub rebuilt: i32,
+    /// Of those paired: deeper below the closest facet than a tenth of its size, the root of its area, when they were paired. If most are,
+    /// the master may be inside out.
+    pub deep: i32,
 }
 
 // SAFETY: numbers, the first one is the size.
@@ -340,6 +343,7 @@ impl dc_report {
             lost_gap: lost.map_or(0.0, |lost| lost.gap),
             gained_gap: gained.map_or(0.0, |gained| gained.gap),
             rebuilt: i32::from(report.rebuilt),
+            deep: count(report.deep),
         }
     }
 }

@@ -86,6 +86,13 @@ fn the_json_has_the_same_figures() {
         assert_eq!(row["passes"], true, "{row}");
         assert!(row["against"]["interpreter"].as_f64().unwrap() <= TOLERANCE, "{row}");
     }
+    for report in document["reports"].as_array().unwrap() {
+        let balance = report["balance"].as_array().unwrap();
+        assert_eq!(balance.len(), 5, "forces of three frames, moments of two");
+        for row in balance {
+            assert!(row["worst"]["difference"].as_f64().unwrap() <= 1e-13, "{row}");
+        }
+    }
     assert_eq!(stdout, run(&arguments).stdout, "the same seed gives the same bytes");
 }
 

@@ -126,10 +126,11 @@ fn a_sweep_leaves_its_files() {
     let scratch = Scratch::new("sweep");
     let (picture, csv) = (scratch.path("sweep.svg"), scratch.path("sweep.csv"));
     let Run { code, stdout, stderr } =
-        run(&["study", "sweep", "-o", &picture, "--csv", &csv, "--steps", "100"]);
+        run(&["study", "sweep", "-o", &picture, "--csv", &csv, "--steps", "100", "--moved", "0.2"]);
     assert_eq!((code, without_progress(&stderr).as_str()), (0, ""));
-    // Facets, and five rules with two weights.
-    let cases = 1 + 5 * 2;
+    assert!(stdout.contains("cells of side 1/1, nodes moved by 20 %, a loop of 100 steps"), "{stdout}");
+    // Facets, and five rules with three weights.
+    let cases = 1 + 5 * 3;
     assert_eq!(stdout.lines().filter(|line| line.contains('°')).count(), cases, "{stdout}");
     let picture = std::fs::read_to_string(&picture).unwrap();
     assert!(picture.starts_with("<svg") && picture.trim_end().ends_with("</svg>"));
@@ -144,6 +145,7 @@ fn a_sweep_leaves_its_files() {
     run_in(&scratch, &["study", "sweep", "-o", "none/sweep.svg"])
         .assert_refused(&["there is no directory none"]);
     run(&["study", "sweep", "--steps", "5"]).assert_refused(&["'5'", "100"]);
+    run(&["study", "sweep", "--moved", "0.4"]).assert_refused(&["'0.4'", "between 0 and 0.35"]);
 }
 
 #[test]

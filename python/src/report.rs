@@ -13,6 +13,7 @@ pub fn to_dict<'py>(py: Python<'py>, report: &RefreshReport) -> PyResult<Bound<'
         ("changed", report.changed),
         ("gained", report.gained),
         ("lost", report.lost),
+        ("deep", report.deep),
         ("contacts_lost", report.contacts_lost),
         ("contacts_gained", report.contacts_gained),
     ] {

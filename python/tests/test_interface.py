@@ -245,7 +245,7 @@ def test_lists_of_nodes_follow(scene):
     interface = scene.interface()
     assert not interface.follow(scene.positions), "there are none yet"
     report = interface.refresh_pairing(scene.positions)
-    assert report.rebuilt and report.fallbacks == {"none": 4, "extended": 0, "linear": 0}
+    assert report.rebuilt and report.fallbacks == {"none": 4, "extended": 0, "linear": 0} and report.deep == 0
     here = interface.evaluate().gap
     pattern = interface.pattern()
     moved = {by: scene.positions.copy() for by in (0.01, 0.6)}

@@ -1,8 +1,8 @@
-//! Who is paired with whom: sharp edges, thin plates, refresh reports, tributary areas.
+//! Who is paired with whom: refresh reports, tributary areas.
 
 use crate::common::{Mesh, Scene, Uniform, distance, hull_layers};
 use diffuse_contact::interface::{
-    ContactElement, ContactInterface, GapJump, InterfaceError, NoContact, Outcome, SlaveGap,
+    ContactElement, ContactInterface, GapJump, InterfaceError, InterfaceOptions, NoContact, Outcome, SlaveGap,
 };
 use diffuse_contact::neighbourhood::{NeighbourRule, SearchOptions};
 use diffuse_contact::surface::{Facet, tributary_areas};
@@ -25,75 +25,6 @@ fn over_floor(count: usize) -> Vec<Point> {
 fn gaps(scene: &mut Scene) -> Vec<Option<f64>> {
     let contacts = scene.interface.evaluate(Mode::Value).unwrap();
     contacts.iter().map(|contact| contact.outcome.is_contact().then_some(contact.point.gap)).collect()
-}
-
-#[test]
-fn around_sharp_edges_masters_lie_on_one_face() {
-    let cube = Mesh::cube(8);
-    let mut random = Uniform(4);
-    // Anywhere over the faces, up to their edges.
-    let slaves: Vec<(Point, usize, f64)> = (0..600)
-        .map(|k| {
-            let (axis, side) = (k % 3, if k % 2 == 0 { 1.0 } else { -1.0 });
-            let gap = 0.2 * random.next() - 0.02;
-            let along = |random: &mut Uniform| random.signed() * if gap < 0.0 { 0.97 } else { 0.999 };
-            let mut x = [along(&mut random), along(&mut random), along(&mut random)];
-            x[axis] = side * (1.0 + gap);
-            (x, axis, gap)
-        })
-        .collect();
-    let places: Vec<Point> = slaves.iter().map(|(x, ..)| *x).collect();
-    let mut scene = cube.paired(&places, hull_layers());
-    let contacts = scene.interface.evaluate(Mode::Value).unwrap();
-    for (contact, &(x, axis, gap)) in contacts.iter().zip(&slaves) {
-        assert!(contact.outcome.is_contact(), "{x:?} {:?}", contact.outcome);
-        let face = x[axis].signum();
-        assert!(contact.nodes.iter().all(|&node| cube.positions[node as usize][axis] == face), "{x:?}");
-        assert!((contact.point.gap - gap).abs() < 1e-12, "{x:?} {}", contact.point.gap);
-    }
-    // Without a feature angle the fit rounds the edge.
-    let blunt = hull_layers().with_feature_angle_degrees(180.0);
-    let mut scene = cube.paired(&[[0.9, 0.9, 1.01]], blunt);
-    assert!((gaps(&mut scene)[0].unwrap() - 0.01).abs() < 1e-12, "{:?}", gaps(&mut scene));
-    let nodes = scene.interface.evaluate(Mode::Value).unwrap().get(0).nodes.to_vec();
-    assert!(
-        nodes.iter().all(|&node| cube.positions[node as usize][2] == 1.0),
-        "faces at 90° are beyond the turn"
-    );
-}
-
-#[test]
-fn a_slave_over_a_sharp_edge_has_no_contact_until_it_comes_over_a_face() {
-    let cube = Mesh::cube(8);
-    let mut scene = cube.paired(&[[1.05, 0.1, 1.06], [0.9, 0.1, 1.05]], hull_layers());
-    let outcome = |scene: &mut Scene, k| scene.interface.evaluate(Mode::Value).unwrap().get(k).outcome;
-    assert_eq!(outcome(&mut scene, 0).code(), "beyond-border");
-    assert!(outcome(&mut scene, 1).is_contact());
-    // The face's fit extended past the edge would say that this slave penetrates by 0.3.
-    scene.move_slaves(&[[0.96, 0.1, 1.05], [1.1, 0.1, 0.7]]);
-    scene.update();
-    assert!(outcome(&mut scene, 0).is_contact());
-    assert_eq!(outcome(&mut scene, 1).code(), "beyond-border");
-    scene.refresh();
-    assert!((gaps(&mut scene)[1].unwrap() - 0.1).abs() < 1e-12, "of the side face");
-}
-
-#[test]
-fn both_sides_of_a_thin_plate_are_told_apart() {
-    let plate = Mesh::block([20, 20, 1], [1.0, 1.0, 0.01]);
-    let mut random = Uniform(8);
-    let slaves: Vec<Point> = (0..200)
-        .map(|k| {
-            let side = if k % 2 == 0 { 1.0 } else { -1.0 };
-            [0.98 * random.signed(), 0.98 * random.signed(), side * (0.01 + 0.05 * random.next() - 0.004)]
-        })
-        .collect();
-    let mut scene = plate.paired(&slaves, hull_layers());
-    for (contact, x) in scene.interface.evaluate(Mode::Value).unwrap().iter().zip(&slaves) {
-        assert!(contact.outcome.is_contact(), "{x:?} {:?}", contact.outcome);
-        assert!((contact.point.gap - (x[2].abs() - 0.01)).abs() < 1e-12, "{x:?} {}", contact.point.gap);
-        assert!(contact.nodes.iter().all(|&node| plate.positions[node as usize][2] * x[2] > 0.0));
-    }
 }
 
 #[test]
@@ -120,6 +51,24 @@ fn a_report_counts_every_slave() {
     assert_eq!((moved.paired, moved.renewed, moved.gained, moved.lost), (50, 49, 1, 1));
     let outcome = scene.interface.evaluate(Mode::Value).unwrap().get(0).outcome;
     assert!(matches!(outcome, Outcome::None(NoContact::TooFar { limit: 2.0, distance }) if distance > 6.0));
+}
+
+/// Nobody is told where the master's outside is: a refresh counts those that lie deep inside.
+#[test]
+fn slaves_of_a_master_inside_out_are_deep() {
+    let slaves = [[3.0, 3.0, 0.3], [4.5, 3.2, 0.05], [6.0, 5.0, -0.05], [7.0, 5.0, -0.3]];
+    let mut mesh = Mesh::plane(10.0, 10.0, 1.0);
+    for (rule, options) in [("domains", InterfaceOptions::default()), ("hull layers", hull_layers())] {
+        let mut scene = mesh.paired(&slaves, options);
+        // Triangles are smaller than squares: a tenth of their size is 0.07.
+        assert_eq!(scene.refresh().deep, 1, "{rule}");
+    }
+    mesh.facets.iter_mut().for_each(|facet| *facet = facet.flipped());
+    let mut scene = mesh.paired(&slaves, InterfaceOptions::default());
+    let kept = scene.refresh();
+    assert_eq!((kept.kept, kept.deep), (4, 1), "as of the pairing");
+    scene.move_slaves(&slaves.map(|[x, y, z]| [x, y, z + 1.0]));
+    assert_eq!(scene.refresh().deep, 4, "all of them now");
 }
 
 #[test]

@@ -28,5 +28,6 @@ mod pairing;
 mod refused_friction;
 mod self_contact;
 mod self_contact_faces;
+mod sheets;
 mod surface;
 mod windows;

@@ -18,6 +18,7 @@ mod output;
 mod paper;
 #[cfg(feature = "program")]
 mod points;
+mod proposals;
 #[cfg(feature = "program")]
 mod report;
 #[cfg(feature = "program")]

@@ -1,5 +1,6 @@
 //! What is written means what it says.
 
+use std::collections::BTreeSet;
 use std::path::Path;
 
 use diffuse_contact::surface::tributary_areas;
@@ -66,6 +67,40 @@ fn pressures_at(deck: &Deck, sets: &[&str]) -> Vec<f64> {
 
 fn largest_error(pressures: &[f64], exact: f64) -> f64 {
     pressures.iter().map(|pressure| (pressure / exact - 1.0).abs()).fold(0.0, f64::max)
+}
+
+/// Degrees of the smooth surface under the slaves of a block on a floor of so many rows of cells, and all others that are not 0.
+fn degrees(contact: Contact, rows: usize) -> (Vec<i32>, usize) {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../examples/patch_test.toml");
+    let mut deck = Deck { contact, ..Deck::read(path).unwrap() };
+    let divisions = deck.shape_mut("lower").unwrap().divisions_mut();
+    (divisions[0], divisions[1]) = (4, rows);
+    let model = deck.model(Path::new("")).unwrap();
+    let slaves: BTreeSet<usize> = {
+        let sides = deck.sides(&model, &deck.interfaces[0]).unwrap();
+        sides.slave.iter().flat_map(|facet| facet.corners().to_vec()).collect()
+    };
+    let measure = |snapshot: &diffuse_contact_solver::verification::Snapshot<'_>| {
+        let fields = Fields::of(snapshot.problem, snapshot.state);
+        let others = (0..model.nodes.len()).filter(|node| !slaves.contains(node));
+        let count = others.filter(|&node| fields.contact_basis[node] != 0).count();
+        Ok((slaves.iter().map(|&node| fields.contact_basis[node]).collect(), count))
+    };
+    trace(&deck, Path::new(""), 1, measure).unwrap().measures.pop().unwrap()
+}
+
+/// Where the master carries no quadratic surface the picture says so.
+#[test]
+fn slaves_have_the_degree_of_their_surface() {
+    for (contact, rows, degree) in
+        [(Contact::Diffuse, 4, 2), (Contact::Diffuse, 1, 1), (Contact::NodeToFacet, 4, 0)]
+    {
+        let (slaves, others) = degrees(contact, rows);
+        assert!(
+            slaves.iter().all(|&own| own == degree) && others == 0,
+            "{contact:?} {rows}: {slaves:?} {others}"
+        );
+    }
 }
 
 /// Two blocks side by side on a third one, whose nodes are slaves of both: where they meet the pressure is neither of them twice.

@@ -74,6 +74,7 @@ fn a_deck_becomes_results() {
         "contact_gap",
         "contact_pressure",
         "contact_status",
+        "contact_basis",
         "part",
     ] {
         assert!(text.contains(&format!("Name=\"{name}\"")), "{name}");

@@ -3,7 +3,7 @@
 use std::fs;
 use std::path::PathBuf;
 
-use diffuse_contact_solver::contact::Beginning;
+use diffuse_contact_solver::contact::{Beginning, Fallbacks};
 use diffuse_contact_solver::output::{Summary, Watcher, names};
 use diffuse_contact_solver::solve::{SolveOptions, solve};
 use diffuse_contact_solver::statics::{Control, Failure, IncrementRecord, IterationRecord};
@@ -143,6 +143,50 @@ fn overlap_at_the_start_is_told() {
     // A part of the block is beside the floor.
     let beside = beginnings("1.3, 0.05]");
     assert_eq!((beside[0].slaves, beside[0].paired), (12, 8), "{beside:?}");
+}
+
+/// The floor is one row of cells wide, and out of reach until the second increment: nothing is known of it at the start, nor where it is
+/// out of reach again.
+#[test]
+fn slaves_that_lose_the_quadratic_basis_on_the_way_are_told() {
+    let scratch = Scratch::new("fallbacks");
+    let deck = PRESSED
+        .replacen("divisions = [6, 4]", "divisions = [6, 1]", 1)
+        .replacen("penalty = 500.0", "penalty = 500.0\ndistance_limit = 0.02", 1)
+        .replace("-0.1]", "-0.06]")
+        .replace(
+            "[[0.0, 0.0], [0.5, 1.0], [1.0, 0.0]]",
+            "[[0.0, 0.0], [0.25, 0.7], [0.5, 1.0], [0.75, 0.0]]",
+        );
+    let (notes, stopped) = run(&scratch, &deck, false, Some(3));
+    let start = &notes.beginnings[0];
+    assert_eq!((start.paired, start.fallbacks), (0, Fallbacks::default()));
+    let expected = Fallbacks { linear: 12, extended: 0 };
+    assert_eq!(stopped.fallbacks.iter().collect::<Vec<_>>(), [(&"floor".to_owned(), &expected)]);
+    // A restart knows of what was before it: in the last increment the floor is out of reach.
+    let (_, whole) = run(&scratch, &deck, true, None);
+    assert_eq!((whole.increments, &whole.fallbacks), (4, &stopped.fallbacks));
+    let told = |summary: &Summary| {
+        let warnings = summary.warnings.iter();
+        warnings.filter(|warning| warning.contains("12 of 12 slaves have the linear basis")).count()
+    };
+    assert_eq!((told(&stopped), told(&whole)), (1, 1), "{:?}", whole.warnings);
+    // Where it is so from the start on, that is said once.
+    let near = deck.replacen("distance_limit = 0.02", "distance_limit = 0.2", 1);
+    let (notes, all) = run(&scratch, &near, false, None);
+    assert_eq!((notes.beginnings[0].fallbacks, told(&all)), (expected, 1), "{:?}", all.warnings);
+}
+
+/// A ring of hull layers that lies on a conic takes another.
+#[test]
+fn slaves_with_more_layers_than_asked_for_are_told() {
+    let scratch = Scratch::new("extended");
+    let rule = "penalty = 500.0\nneighbours = { rule = \"hull-layers\", count = 1 }";
+    let (notes, summary) = run(&scratch, &PRESSED.replacen("penalty = 500.0", rule, 1), false, Some(1));
+    let Fallbacks { linear, extended } = notes.beginnings[0].fallbacks;
+    assert!(linear == 0 && (1..12).contains(&extended), "{extended}");
+    let sentence = format!("interface `floor`: {extended} of 12 slaves have more layers");
+    assert!(summary.warnings.iter().any(|warning| warning.starts_with(&sentence)), "{:?}", summary.warnings);
 }
 
 /// A run that was killed while it wrote leaves files behind that belong to nobody.

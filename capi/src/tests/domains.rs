@@ -51,7 +51,7 @@ fn lists_follow_and_say_so() {
         assert_eq!(follow(&mesh.positions, &mut rebuilt), DC_OK);
         assert_eq!(rebuilt, 0, "there are no lists yet");
         assert_eq!(refresh(&mesh.positions, &mut report), DC_OK);
-        assert_eq!((report.paired, report.gained, report.rebuilt), (4, 4, 1));
+        assert_eq!((report.paired, report.gained, report.rebuilt, report.deep), (4, 4, 1, 0));
         let here = gaps(handle);
         assert_eq!(dc_pattern_create(handle, &mut pattern, &mut entries), DC_OK);
         let mut values = vec![0.0; entries];
@@ -191,6 +191,20 @@ fn planes_along_the_surface_are_no_trap() {
         assert_eq!(dc_refresh(handle, mesh.positions.as_ptr(), 40, null_mut()), DC_OK);
     }
     assert_eq!(dc_evaluate(handle, 2), DC_OK);
+    assert_eq!(dc_destroy(handle), DC_OK);
+}
+
+/// A master whose corners go round the wrong way has its outside below, and slaves above it lie deep inside.
+#[test]
+fn a_master_inside_out_is_counted() {
+    let mut mesh = Mesh::new();
+    mesh.facets.as_chunks_mut::<4>().0.iter_mut().for_each(|corners| corners.reverse());
+    (36..40).for_each(|slave| mesh.positions[3 * slave + 2] = 0.5);
+    let handle = mesh.interface();
+    let mut report = dc_report_of_size(size_of::<dc_report>());
+    // SAFETY: as many positions as nodes.
+    assert_eq!(unsafe { dc_refresh(handle, mesh.positions.as_ptr(), 40, &mut report) }, DC_OK);
+    assert_eq!((report.paired, report.deep), (4, 4));
     assert_eq!(dc_destroy(handle), DC_OK);
 }
 

@@ -4,7 +4,6 @@ use std::path::Path;
 
 use diffuse_contact::Point;
 use diffuse_contact::interface::{ContactElement, Outcome};
-use diffuse_contact::neighbourhood::Fallback;
 use diffuse_contact_mesh::{ElementKind, VtuFile};
 
 use super::legend;
@@ -36,7 +35,10 @@ pub fn write(
     let vectors = |of: &dyn Fn(&SlaveNode) -> Point| -> Vec<Point> { nodes.nodes.iter().map(of).collect() };
     let integers = |of: &dyn Fn(&SlaveNode) -> i32| -> Vec<i32> { nodes.nodes.iter().map(of).collect() };
     let no_number = |node: &SlaveNode, number: f64| if node.outcome.is_contact() { number } else { f64::NAN };
-    let is_smooth = matches!(element, ContactElement::Diffuse { .. });
+    let degree = |outcome| match outcome {
+        Outcome::Contact { fallback } => i32::from(element.degree(fallback)),
+        Outcome::None(_) => 0,
+    };
     let mut grid = VtuFile::new()
         .points(points)
         .cells(cells.iter().map(|(kind, nodes)| (*kind, nodes.as_slice())))
@@ -45,18 +47,9 @@ pub fn write(
         .point_vectors("foot", vectors(&|node| node.point.foot.map(|x| no_number(node, x))))
         .point_i32("outcome", integers(&|node| legend::number(node.outcome)))
         .point_i32("masters", integers(&|node| i32::try_from(node.masters).unwrap_or(i32::MAX)))
-        .point_i32("basis", integers(&|node| if is_smooth { degree(node.outcome) } else { 0 }));
+        .point_i32("basis", integers(&|node| degree(node.outcome)));
     if surfaces.has_areas {
         grid = grid.point_scalars("area", scalars(&|node| node.area));
     }
     output::write_vtu(path, &grid)
-}
-
-/// Degree of the polynomials of the fit.
-const fn degree(outcome: Outcome) -> i32 {
-    match outcome {
-        Outcome::Contact { fallback: Fallback::Linear { .. } } => 1,
-        Outcome::Contact { .. } => 2,
-        Outcome::None(_) => 0,
-    }
 }

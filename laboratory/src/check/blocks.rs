@@ -188,6 +188,12 @@ impl Blocks {
         Ok(Self { subject, parts })
     }
 
+    /// The first part of a block, if it is there.
+    pub(super) fn entries(&self, name: &str) -> Option<&[f64]> {
+        let (_, parts) = self.parts.iter().find(|(other, _)| *other == name)?;
+        parts.first().map(|part| part.entries.as_slice())
+    }
+
     /// The differences from another result, for the blocks both have.
     pub fn differences<'a>(&'a self, expected: &'a Self) -> impl Iterator<Item = (Block, f64)> + 'a {
         self.parts.iter().filter_map(|(name, parts)| {

@@ -9,6 +9,7 @@ use diffuse_contact::ad::{Ad, FormulaError};
 use diffuse_contact::{Backend, ElementError, Generated, Mode};
 use diffuse_contact_codegen::{Basis, Output};
 
+use super::balance::sums;
 use super::blocks::{Blocks, Subject};
 use super::elements::{NoElement, RandomElement};
 use super::facets::compare_facets;
@@ -162,6 +163,10 @@ impl Results<'_> {
             if mode + 1 < MODES.len() {
                 self.add(Against::HessianMode, tested_in_mode.as_ref(), tested[MODES.len() - 1].as_ref());
             }
+        }
+        if let Some(gradient) = tested[MODES.len() - 1].as_ref().and_then(|tested| tested.entries("N")) {
+            let sums = sums(&self.random.element(self.subject.frame), gradient);
+            self.report.add_balance(self.subject, sums, self.at);
         }
     }
 

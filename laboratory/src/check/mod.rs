@@ -2,7 +2,7 @@
 //! against the interpreter of its graph.
 //!
 //! [`elements`] makes the random elements, [`blocks`] says which numbers of a result belong together and how their
-//! differences are measured, [`compare()`] runs the backends, [`facets`] does the same for the kernels of contact on facets,
+//! differences are measured, [`balance`] adds N and its moments up, [`compare()`] runs the backends, [`facets`] does the same for the kernels of contact on facets,
 //! [`report`] prints what was found.
 //!
 //! ```
@@ -16,6 +16,7 @@
 //! ```
 
 mod arguments;
+pub mod balance;
 pub mod blocks;
 mod compare;
 pub mod elements;

@@ -5,7 +5,8 @@ use std::fmt;
 use diffuse_contact_codegen::Basis;
 use serde::ser::{Serialize, SerializeStruct, Serializer};
 
-use super::blocks::{BLOCKS, Block};
+use super::balance::BalanceRow;
+use super::blocks::{BLOCKS, Block, Subject};
 use super::elements::{LARGEST_FOOT_DISTANCE, RandomElement, SMALLEST_DETERMINANT, SMALLEST_PIVOT};
 use super::facets::{FACETS, FacetRow};
 use super::plan::{Against, ELEMENTS, Plan, TOLERANCE};
@@ -30,8 +31,13 @@ pub struct Worst {
 }
 
 impl Worst {
-    fn passes(&self) -> bool {
+    pub(super) fn passes(&self) -> bool {
         self.difference <= TOLERANCE
+    }
+
+    /// Whether another difference is worse. A NaN stays.
+    pub(super) fn gives_way_to(&self, difference: f64) -> bool {
+        !self.difference.is_nan() && !(difference <= self.difference)
     }
 }
 
@@ -55,6 +61,7 @@ impl Row {
 pub struct Report {
     plan: Plan,
     rows: Vec<Row>,
+    balance: Vec<BalanceRow>,
     facets: Vec<FacetRow>,
     elements: usize,
     /// The smallest relative pivot of a fit.
@@ -72,6 +79,7 @@ impl Report {
         Self {
             plan: plan.clone(),
             rows: BLOCKS.map(row).to_vec(),
+            balance: BalanceRow::all(),
             facets: Vec::new(),
             elements: 0,
             smallest_pivot: f64::INFINITY,
@@ -91,10 +99,15 @@ impl Report {
     pub(super) fn add(&mut self, block: Block, against: Against, difference: f64, at: (Basis, usize)) {
         let row = self.rows.iter_mut().find(|row| row.block == block).expect("every block has a row");
         let worst = &mut row.worst[against as usize];
-        // A NaN stays.
-        if worst.is_none_or(|worst| !worst.difference.is_nan() && !(difference <= worst.difference)) {
+        if worst.is_none_or(|worst| worst.gives_way_to(difference)) {
             *worst = Some(Worst { difference, basis: at.0, nodes: at.1 });
         }
+    }
+
+    /// Adds the sums of an element's N, in the order of [`SUMS`](super::balance::SUMS).
+    pub(super) fn add_balance(&mut self, subject: Subject, sums: [f64; 2], at: (Basis, usize)) {
+        let rows = self.balance.iter_mut().filter(|row| row.subject == subject);
+        rows.zip(sums).for_each(|(row, sum)| row.add(sum, at));
     }
 
     /// Adds what was found on other elements. Of equal differences the earlier one stays.
@@ -107,6 +120,11 @@ impl Report {
                 if let Some(Worst { difference, basis, nodes }) = worst {
                     self.add(row.block, against, difference, (basis, nodes));
                 }
+            }
+        }
+        for (row, other) in self.balance.iter_mut().zip(other.balance) {
+            if let Some(Worst { difference, basis, nodes }) = other.worst {
+                row.add(difference, (basis, nodes));
             }
         }
         self.failures.extend(other.failures);
@@ -123,6 +141,12 @@ impl Report {
         &self.facets
     }
 
+    /// The worst sums of N and its moments.
+    #[must_use]
+    pub fn balance(&self) -> &[BalanceRow] {
+        &self.balance
+    }
+
     /// The worst differences, one row per block.
     #[must_use]
     pub fn rows(&self) -> &[Row] {
@@ -132,7 +156,9 @@ impl Report {
     /// Whether something was compared, every backend had results, and all differences are within [`TOLERANCE`].
     #[must_use]
     pub fn passes(&self) -> bool {
-        let rows = self.rows.iter().all(Row::passes) && self.facets.iter().all(FacetRow::passes);
+        let rows = self.rows.iter().all(Row::passes)
+            && self.balance.iter().all(BalanceRow::passes)
+            && self.facets.iter().all(FacetRow::passes);
         self.elements > 0 && self.failures.is_empty() && rows
     }
 
@@ -211,6 +237,13 @@ impl Report {
             let cells: Vec<String> = shown.iter().map(|&a| facet_cell(row.worst[a as usize])).collect();
             line(f, row.shape.name(), row.name, &cells)?;
         }
+        writeln!(
+            f,
+            "\nsums that vanish, over the largest entry of N; moments about the slave over R times that"
+        )?;
+        for row in &self.balance {
+            line(f, &row.subject.name(), row.name, &[cell(row.worst)])?;
+        }
         Ok(())
     }
 
@@ -230,8 +263,10 @@ impl Report {
         }
         let elements = self.rows.iter().filter(|row| !row.passes());
         let facets = self.facets.iter().filter(|row| !row.passes());
+        let sums = self.balance.iter().filter(|row| !row.passes());
         let blocks: Vec<String> = elements
             .map(|row| format!("{} {}", row.block.subject.name(), row.block.name))
+            .chain(sums.map(|row| format!("{} {}", row.subject.name(), row.name)))
             .chain(facets.map(|row| format!("{} {}", row.shape.name(), row.name)))
             .collect();
         if blocks.is_empty() {
@@ -273,7 +308,7 @@ impl fmt::Display for Report {
 
 impl Serialize for Report {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        let mut report = serializer.serialize_struct("Report", 11)?;
+        let mut report = serializer.serialize_struct("Report", 12)?;
         let tested = if self.plan.weight.as_built_in().is_some() { "generated" } else { "interpreter" };
         report.serialize_field("tested", tested)?;
         report.serialize_field("weight", &self.plan.weight.description())?;
@@ -284,6 +319,7 @@ impl Serialize for Report {
         report.serialize_field("tolerance", &TOLERANCE)?;
         report.serialize_field("passes", &self.passes())?;
         report.serialize_field("blocks", &self.rows)?;
+        report.serialize_field("balance", &self.balance)?;
         report.serialize_field("facets", &self.facets)?;
         report.serialize_field("failures", &self.failures)?;
         report.end()

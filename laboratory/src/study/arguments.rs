@@ -96,6 +96,9 @@ pub struct SweepArguments {
     /// Make the cells so many times smaller, 1 to 8
     #[arg(long, value_name = "K", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=8))]
     pub refine: u32,
+    /// Move the nodes within the surface by up to this part of a cell, at random, 0 to 0.35
+    #[arg(long, value_name = "SHARE", default_value_t = 0.0, value_parser = moved)]
+    pub moved: f64,
     /// Steps around the loop, 100 to 1000000
     #[arg(long, value_name = "N", default_value_t = 4800, value_parser = clap::value_parser!(u32).range(100..=1_000_000))]
     pub steps: u32,
@@ -172,6 +175,15 @@ fn between<const LEAST: u8, const MOST: u8>(text: &str) -> Result<f64, String> {
     match positive(text)? {
         number if (least..=most).contains(&number) => Ok(number),
         _ => Err(format!("it has to be between {least} and {most}")),
+    }
+}
+
+/// A part of a cell by which nodes may be moved.
+fn moved(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(share) if (0.0..=0.35).contains(&share) => Ok(share),
+        Ok(_) => Err("it has to be between 0 and 0.35".into()),
+        Err(reason) => Err(reason.to_string()),
     }
 }
 

@@ -206,19 +206,21 @@ fn measure(shape: &Shape, weight: Weight, slaves: usize) -> Result<Found, StudyE
     Ok(found)
 }
 
+/// The masters that have a weight, with domains of influence.
+pub fn weighted(pairing: &Pairing) -> impl Iterator<Item = (Point, f64)> {
+    let weights = pairing.material.iter().map(|node| pairing.weight.fitting(node.distance()));
+    pairing.positions.iter().copied().zip(weights).filter(|&(_, weight)| weight > 0.0)
+}
+
 /// How many masters have a weight, and the smallest singular value of their fit.
 fn carried(slave: Point, pairing: &Pairing) -> (usize, f64) {
-    let rows: Vec<[f64; 6]> = pairing
-        .positions
-        .iter()
-        .zip(&pairing.material)
-        .filter_map(|(x, node)| {
-            let weight = pairing.weight.fitting(node.distance());
+    let rows: Vec<[f64; 6]> = weighted(pairing)
+        .map(|(x, weight)| {
             let along = |axis: Point| {
                 (0..3).map(|k| axis[k] * (x[k] - slave[k])).sum::<f64>() / pairing.support_radius
             };
             let [a, b] = [pairing.frame.t1, pairing.frame.t2].map(along);
-            (weight > 0.0).then(|| [1.0, a, b, a * a, a * b, b * b].map(|p| weight.sqrt() * p))
+            [1.0, a, b, a * a, a * b, b * b].map(|p| weight.sqrt() * p)
         })
         .collect();
     let size = if pairing.basis == Basis::Linear { 3 } else { 6 };

@@ -178,8 +178,8 @@ impl ContactInterface {
         self.pairings.all().all(stays).then(|| {
             let paired = listed.report.paired;
             let without = listed.report.without.clone();
-            let fallbacks = listed.report.fallbacks;
-            RefreshReport { paired, kept: paired, without, fallbacks, ..RefreshReport::default() }
+            let (fallbacks, deep) = (listed.report.fallbacks, listed.report.deep);
+            RefreshReport { paired, kept: paired, without, fallbacks, deep, ..RefreshReport::default() }
         })
     }
 }

@@ -5,8 +5,8 @@ use diffuse_contact_kernels::support::KernelSet;
 
 use super::InterfaceError;
 use crate::assembly::AssemblyError;
-use crate::neighbourhood::{NeighbourRule, SearchOptions};
-use crate::{FrameDerivative, Weight};
+use crate::neighbourhood::{Fallback, NeighbourRule, SearchOptions};
+use crate::{Basis, FrameDerivative, Weight};
 
 /// The element of every slave node.
 ///
@@ -65,6 +65,20 @@ impl ContactElement {
         match self {
             Self::Diffuse { weight, search, .. } => Self::Diffuse { weight, frame, search },
             Self::NodeToFacet => self,
+        }
+    }
+
+    /// Polynomial degree of the smooth surface under a slave whose search had to give this up; 0 without a fit. A basis of the
+    /// caller's counts as one of degree 2.
+    #[must_use]
+    pub const fn degree(&self, fallback: Fallback) -> u8 {
+        match (self, fallback) {
+            (Self::NodeToFacet, _) => 0,
+            (Self::Diffuse { .. }, Fallback::Linear { .. }) => 1,
+            (Self::Diffuse { search, .. }, _) => match search.basis {
+                Basis::Linear => 1,
+                _ => 2,
+            },
         }
     }
 }

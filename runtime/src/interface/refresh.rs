@@ -26,6 +26,9 @@ const CHUNK: usize = 256;
 /// A slave that lies beyond the border by more than this many heights of the facet is not paired.
 const FARTHEST_BEYOND: f64 = 1.0;
 
+/// A slave deeper below the closest facet than this part of the facet's size is more than a mesh that does not quite fit.
+const DEEP: f64 = 0.1;
+
 /// Whose gaps before and after a refresh are compared.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Compares {
@@ -189,6 +192,7 @@ impl Refresh<'_> {
             Ok((paired, frame)) => {
                 report.paired += 1;
                 report.count_fallback(paired.record.fallback);
+                report.deep += usize::from(self.is_deep(node, paired.record.facet, closest.ok().as_ref()));
                 match old {
                     None => report.gained += 1,
                     Some(old) if old.masters == paired.masters => report.renewed += 1,
@@ -219,6 +223,15 @@ impl Refresh<'_> {
             }
         }
         chunk.ends.push(chunk.masters.len());
+    }
+
+    /// Whether a slave lies deep below the facet of its pairing. `closest`: where that was looked for.
+    fn is_deep(&self, node: usize, facet: u32, closest: Option<&Closest>) -> bool {
+        let known = closest.filter(|closest| closest.facet == facet);
+        let foot = known.map_or_else(|| self.over(node, facet).point, |closest| closest.point);
+        let height =
+            (Vector3::from(self.evaluator.positions[node]) - foot).dot(&self.index.normals()[facet as usize]);
+        height < 0.0 && height * height > DEEP * DEEP * self.index.shape(facet).area_vector().norm()
     }
 
     /// Whether a slave stays with its pairing within an increment: where the closest facet looks away from that of the pairing. A slave

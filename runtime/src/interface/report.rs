@@ -31,6 +31,9 @@ pub struct RefreshReport {
     pub without: BTreeMap<&'static str, usize>,
     /// What the searches of the paired had to give up.
     pub fallbacks: FallbackCounts,
+    /// Of the paired: deeper below the closest facet than a tenth of its size, the root of its area, when they were paired. All of them
+    /// are where the master is inside out.
+    pub deep: usize,
     /// With a gap by the old pairing at these positions, but none by the new or without one: their forces vanish.
     pub contacts_lost: usize,
     /// With a gap now, but none by the old pairing at these positions or without one: forces may appear.
@@ -152,6 +155,7 @@ impl RefreshReport {
         self.fallbacks.none += next.fallbacks.none;
         self.fallbacks.extended += next.fallbacks.extended;
         self.fallbacks.linear += next.fallbacks.linear;
+        self.deep += next.deep;
         self.contacts_lost += next.contacts_lost;
         self.contacts_gained += next.contacts_gained;
         self.smallest_gap_lost = SlaveGap::smallest(self.smallest_gap_lost, next.smallest_gap_lost);

@@ -3,8 +3,10 @@
 use diffuse_contact_mesh::names::shown;
 use serde::{Deserialize, Serialize};
 
-use super::Interaction;
+use super::proposal::symmetry_line;
+use super::{Fallbacks, Interaction};
 use crate::model::Model;
+use crate::statics::Problem;
 
 /// A slave that starts deeper below its master than this part of its facets' size is more than a mesh that does not quite fit.
 const DEEP: f64 = 0.1;
@@ -26,16 +28,21 @@ pub struct Beginning {
     pub overlap: f64,
     /// Slaves that are deeper below the master than a tenth of their facets' size; those that nothing moves are the deck's and left out.
     pub deep: usize,
-    /// Slaves with the linear basis, as their masters carry no quadratic surface.
-    pub linear: usize,
+    /// Slaves whose masters do not carry the fit that was asked for.
+    #[serde(flatten)]
+    pub fallbacks: Fallbacks,
     /// Edge middles and centres of slave faces where they stay flat, as the slave's nodes carry no smooth surface.
     pub straight: usize,
+    /// The line of the deck that names the planes of symmetry that the boundary conditions speak of, if the interface does not name all of
+    /// them.
+    #[serde(default)]
+    pub symmetry: Option<String>,
 }
 
 impl Beginning {
-    /// Of the slaves of a model's interaction. The roots of tributary areas are the facets' sizes.
+    /// Of the slaves of a model's interaction, one of the problem's. The roots of tributary areas are the facets' sizes.
     #[must_use]
-    pub fn of(interaction: &Interaction, model: &Model) -> Self {
+    pub fn of(interaction: &Interaction, model: &Model, problem: &Problem) -> Self {
         let is_deep = |node: usize, gap: f64| gap < -DEEP * interaction.tributary_area(node).sqrt();
         let moved = interaction.slaves().filter(|slave| !slave.is_held);
         let deep = moved.filter(|slave| slave.gap.is_some_and(|gap| is_deep(slave.node, gap)));
@@ -57,15 +64,29 @@ impl Beginning {
             paired: interaction.slaves().filter(|slave| slave.gap.is_some()).count(),
             overlap: interaction.max_penetration(),
             deep: deep.count(),
-            linear: interaction.slaves().filter(|slave| slave.is_linear).count(),
+            fallbacks: interaction.fallbacks(),
             straight: interaction.straight(),
+            symmetry: symmetry_line(interaction, problem, &model.deformable()),
         }
+    }
+
+    /// What the deck could say more, in sentences.
+    #[must_use]
+    pub fn notes(&self) -> Vec<String> {
+        let note = |line: &String| {
+            format!(
+                "interface `{}`: the master ends where boundary conditions are those of a plane of symmetry; if it goes on beyond as its \
+                 mirror image, add `{line}` to the interface",
+                shown(&self.interface)
+            )
+        };
+        self.symmetry.iter().map(note).collect()
     }
 
     /// What may be wrong with the start, in sentences.
     #[must_use]
     pub fn warnings(&self) -> Vec<String> {
-        let Self { interface, slaves, deep, linear, straight, .. } = self;
+        let Self { interface, slaves, deep, fallbacks, straight, .. } = self;
         let mut warnings = Vec::new();
         let mut warn = |count: &usize, what: &str| {
             if *count > 0 {
@@ -78,16 +99,10 @@ impl Beginning {
              the wrong way?",
         );
         warn(
-            linear,
-            &format!(
-                "of {slaves} slaves have the linear basis, which is no better than facets: name the symmetry planes that the master \
-                 ends in, or mesh it with three rows of nodes"
-            ),
-        );
-        warn(
             straight,
             "edge middles or centres of the slave's faces are flat: its nodes carry no smooth surface of their own there",
         );
+        warnings.extend(fallbacks.warnings(Fallbacks::default(), interface, *slaves));
         warnings
     }
 }

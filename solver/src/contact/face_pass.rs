@@ -3,7 +3,6 @@
 use diffuse_contact::assembly::Tangent;
 use diffuse_contact::faces::{FaceInterface, FaceOptions, FaceRule, IntegrationPoint, NodeContact};
 use diffuse_contact::interface::{FrictionReport, InterfaceError, Outcome};
-use diffuse_contact::neighbourhood::Fallback;
 use diffuse_contact::surface::{Facet, MasterSurface};
 use diffuse_contact::{Mode, Point};
 
@@ -183,7 +182,7 @@ impl Pass for FacePass {
                     friction_state,
                     slip,
                     area,
-                    is_linear: matches!(fallback, Fallback::Linear { .. }),
+                    fallback,
                     has_failed: false,
                     is_held: self.is_held(k),
                 },

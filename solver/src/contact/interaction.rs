@@ -6,10 +6,12 @@ use diffuse_contact::assembly::{Tangent, TangentOperator};
 use diffuse_contact::faces::IntegrationPoint;
 use diffuse_contact::friction::FrictionState;
 use diffuse_contact::interface::{FrictionReport, NoContact};
+use diffuse_contact::neighbourhood::Fallback;
 use diffuse_contact::surface::{Facet, tributary_areas};
 use diffuse_contact::{Mode, Point};
 
 use super::face_pass::FacePass;
+use super::fallbacks::Fallbacks;
 use super::losses::is_failure;
 use super::node_pass::NodePass;
 use super::pass::{FrictionHistory, NodalForces, Pass, PassError};
@@ -43,8 +45,8 @@ pub struct SlaveState {
     pub slip: f64,
     /// Tributary area, length²; 1 if the interface carries none. Over faces, of a slave in contact, the part of it over the master.
     pub area: f64,
-    /// Whether its masters carry no quadratic surface, so that it has the linear basis.
-    pub is_linear: bool,
+    /// What its masters made the smooth surface give up.
+    pub fallback: Fallback,
     /// Whether it should have a contact element but has none: no masters carry a fit, or the fit no foot.
     pub has_failed: bool,
     /// Whether slave and masters are prescribed along all axes, so that no force moves anything.
@@ -64,7 +66,7 @@ impl SlaveState {
             friction_state: FrictionState::Open,
             slip: 0.0,
             area,
-            is_linear: false,
+            fallback: Fallback::None,
             has_failed: is_failure(reason),
             is_held: false,
         }
@@ -163,6 +165,14 @@ impl Interaction {
         let named = |source| ContactError::Interface { interface: self.options.name.clone(), source };
         let of_passes: Result<Vec<_>, _> = self.passes.iter().map(|pass| pass.integration_points()).collect();
         Ok(Some(of_passes.map_err(named)?.concat()))
+    }
+
+    /// What the masters of its slaves made the smooth surface give up at the last evaluation.
+    #[must_use]
+    pub fn fallbacks(&self) -> Fallbacks {
+        let mut all = Fallbacks::default();
+        self.slaves().for_each(|slave| all.count(slave.fallback));
+        all
     }
 
     /// Forces on each of `count` nodes at the last evaluation.

@@ -9,18 +9,21 @@ mod adjust;
 mod beginning;
 mod error;
 mod face_pass;
+mod fallbacks;
 mod interaction;
 mod losses;
 mod node_pass;
 mod operator;
 mod options;
 mod pass;
+mod proposal;
 mod resultant;
 mod tracks;
 
 pub use adjust::{AdjustError, adjust};
 pub use beginning::Beginning;
 pub use error::ContactError;
+pub use fallbacks::Fallbacks;
 pub(crate) use interaction::facet_size;
 pub use interaction::{Augmented, Interaction, SlaveState};
 pub use losses::{Loss, LostContact};
@@ -303,6 +306,12 @@ impl ContactSet {
             .iter()
             .map(move |interaction| (interaction.options().name.as_str(), interaction.vanished(way)));
         counted.filter(|&(_, count)| count > 0)
+    }
+
+    /// Names of the interactions with slaves whose masters do not carry the fit that was asked for, at the last evaluation.
+    pub fn fallbacks(&self) -> impl Iterator<Item = (String, Fallbacks)> {
+        let counted = |own: &Interaction| (own.options().name.clone(), own.fallbacks());
+        self.interactions.iter().map(counted).filter(|(_, fallbacks)| !fallbacks.is_none())
     }
 
     /// Integration points of loaded faces that carry no force at the last evaluation although they have a gap: their line of force

@@ -9,7 +9,6 @@ use diffuse_contact::friction::{FrictionForce, FrictionState};
 use diffuse_contact::interface::{
     ContactInterface, ContactRef, Contacts, FrictionReport, InterfaceError, Outcome,
 };
-use diffuse_contact::neighbourhood::Fallback;
 use diffuse_contact::surface::{Facet, MasterSurface};
 use diffuse_contact::{Mode, Point};
 
@@ -254,7 +253,6 @@ impl Pass for NodePass {
             let ContactRef { slave: node, outcome, point, area, gradient, .. } = contact;
             match outcome {
                 Outcome::Contact { fallback } => {
-                    let is_linear = matches!(fallback, Fallback::Linear { .. });
                     let force = law.force(k, point.gap, area);
                     let (known, of_slip) = friction_of(&law, k, &contact);
                     let factor = known.map_or(0.0, |known| known.factor);
@@ -274,7 +272,7 @@ impl Pass for NodePass {
                         friction_state,
                         slip,
                         area,
-                        is_linear,
+                        fallback,
                         has_failed: false,
                         is_held: self.is_held(k),
                     }

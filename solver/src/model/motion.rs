@@ -121,6 +121,12 @@ impl Motion {
         std::array::from_fn(|k| turned[k] + factor * self.translation[k])
     }
 
+    /// Whether nothing moves along an axis at any time.
+    #[must_use]
+    pub const fn rests_along(&self, axis: usize) -> bool {
+        self.rotation.is_none() && self.translation[axis] == 0.0
+    }
+
     /// The times of the points of its amplitudes, in no order.
     pub fn times(&self) -> impl Iterator<Item = f64> {
         let turning = self.rotation.iter().flat_map(|(_, amplitude)| amplitude.times());

@@ -87,6 +87,8 @@ pub struct Fields {
     pub contact_pressure: Vec<f64>,
     /// A [`ContactStatus`].
     pub contact_status: Vec<i32>,
+    /// Polynomial degree of the smooth surface under a slave: 2, 1 where its masters carry no more, 0 without one. Of several the least.
+    pub contact_basis: Vec<i32>,
     /// If an interaction has friction.
     pub friction: Option<FrictionFields>,
 }
@@ -145,6 +147,7 @@ impl Fields {
             contact_gap: vec![0.0; count],
             contact_pressure: vec![0.0; count],
             contact_status: vec![ContactStatus::None as i32; count],
+            contact_basis: vec![0; count],
             friction: None,
         }
     }
@@ -180,6 +183,11 @@ impl Fields {
                 has_gap[node] = true;
             }
             self.contact_status[node] = self.contact_status[node].max(status as i32);
+            let degree = interaction.options().interface.element.degree(slave.fallback);
+            if slave.gap.is_some() && degree > 0 {
+                let least = &mut self.contact_basis[node];
+                *least = if *least == 0 { degree.into() } else { (*least).min(degree.into()) };
+            }
         }
     }
 }
@@ -192,6 +200,7 @@ pub struct SlaveFields {
     gap: Vec<f64>,
     pressure: Vec<f64>,
     status: Vec<i32>,
+    basis: Vec<i32>,
     #[serde(default, skip_serializing_if = "Option::is_none")]
     friction: Option<FrictionFields>,
 }
@@ -205,6 +214,7 @@ impl SlaveFields {
             gap: at(&fields.contact_gap),
             pressure: at(&fields.contact_pressure),
             status: nodes.iter().map(|&node| fields.contact_status[node]).collect(),
+            basis: nodes.iter().map(|&node| fields.contact_basis[node]).collect(),
             friction: fields.friction.as_ref().map(|friction| friction.at_nodes(&nodes)),
             nodes,
         }
@@ -212,7 +222,7 @@ impl SlaveFields {
 
     /// Whether they are those of a model with so many nodes.
     pub(super) fn fits(&self, count: usize) -> bool {
-        let mut lengths = vec![self.gap.len(), self.pressure.len(), self.status.len()];
+        let mut lengths = vec![self.gap.len(), self.pressure.len(), self.status.len(), self.basis.len()];
         if let Some(friction) = &self.friction {
             lengths.extend([friction.slip.len(), friction.traction.len(), friction.status.len()]);
         }
@@ -227,6 +237,7 @@ impl SlaveFields {
             fields.contact_gap[node] = self.gap[k];
             fields.contact_pressure[node] = self.pressure[k];
             fields.contact_status[node] = self.status[k];
+            fields.contact_basis[node] = self.basis[k];
         }
         fields.friction = self.friction.as_ref().map(|own| {
             let mut all = FrictionFields::zero(start.len());

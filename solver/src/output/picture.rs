@@ -56,6 +56,7 @@ pub fn write(
         .point_scalars("contact_gap", &fields.contact_gap[..])
         .point_scalars("contact_pressure", &fields.contact_pressure[..])
         .point_i32("contact_status", &fields.contact_status[..])
+        .point_i32("contact_basis", &fields.contact_basis[..])
         .cell_i32("part", &parts[..])
         .write(&path)
         .map_err(not_written(&path))

@@ -9,7 +9,7 @@ use super::saved::{Saved, instructions};
 use super::{
     Failed, Fields, OutputError, Skin, SkinFrame, SlaveFields, Summary, history, names, picture, points,
 };
-use crate::contact::Beginning;
+use crate::contact::{Beginning, Fallbacks};
 use crate::deck::{Colour, Output};
 use crate::model::Model;
 use crate::report::{SURFACES, SurfaceSample};
@@ -107,6 +107,8 @@ pub struct Recorder<'a> {
     pub(super) carried: BTreeSet<String>,
     /// Interfaces whose force vanished under load, with the time of the first such increment.
     pub(super) vanished: BTreeMap<String, f64>,
+    /// Of each interface the most slaves at the end of an increment whose masters do not carry the fit that was asked for.
+    pub(super) fallbacks: BTreeMap<String, Fallbacks>,
     watcher: &'a mut dyn Watcher,
 }
 
@@ -133,7 +135,7 @@ impl<'a> Recorder<'a> {
         let fields = Fields::of(problem, state);
         recorder.show(fields, problem)?;
         let interactions = problem.contacts().interactions().iter();
-        recorder.beginnings = interactions.map(|own| Beginning::of(own, model)).collect();
+        recorder.beginnings = interactions.map(|own| Beginning::of(own, model, problem)).collect();
         recorder.write_state()?;
         recorder.watcher.start(&recorder.beginnings);
         Ok(recorder)
@@ -155,7 +157,8 @@ impl<'a> Recorder<'a> {
         saved: Saved,
         watcher: &'a mut dyn Watcher,
     ) -> Result<Self, OutputError> {
-        let Saved { state, pending, carried, vanished, instructions: before, beginnings, .. } = saved;
+        let Saved { state, pending, carried, vanished, fallbacks, instructions: before, beginnings, .. } =
+            saved;
         if !before.is_empty() && before != instructions() {
             watcher.other_instructions(&before, instructions());
         }
@@ -177,7 +180,7 @@ impl<'a> Recorder<'a> {
         let mut recorder = Self::new(directory, options, model, state, watcher);
         (recorder.series, recorder.point_series) = (series, point_series);
         (recorder.pending, recorder.carried) = (pending, carried);
-        (recorder.vanished, recorder.beginnings) = (vanished, beginnings);
+        (recorder.vanished, recorder.fallbacks, recorder.beginnings) = (vanished, fallbacks, beginnings);
         picture::write_series(&recorder.directory, &recorder.series)?;
         let penetrations = history.rows.iter().map(|row| history.value(row, "max_penetration"));
         recorder.max_penetration_ever = penetrations.fold(0.0, f64::max);
@@ -218,6 +221,7 @@ impl<'a> Recorder<'a> {
             pending: None,
             carried: BTreeSet::new(),
             vanished: BTreeMap::new(),
+            fallbacks: BTreeMap::new(),
             watcher,
         }
     }
@@ -278,6 +282,7 @@ impl<'a> Recorder<'a> {
         summary.interfaces.clone_from(&self.beginnings);
         let history = super::read_history(&self.directory.path(names::HISTORY))?;
         summary.friction = history::last_friction(&history, problem);
+        summary.fallbacks.clone_from(&self.fallbacks);
         let at_start = self.beginnings.iter().flat_map(Beginning::warnings);
         summary.warnings = at_start.chain(summary.shortcomings()).collect();
         summary.linear_bytes = self.linear_bytes;
@@ -324,15 +329,21 @@ impl<'a> Recorder<'a> {
         for (interface, _) in &record.vanished {
             vanished.entry(interface.clone()).or_insert(record.time);
         }
+        let mut fallbacks = self.fallbacks.clone();
+        for (interface, found) in &record.fallbacks {
+            let most = fallbacks.entry(interface.clone()).or_default();
+            *most = most.max(*found);
+        }
         let before = (
             std::mem::replace(&mut self.state, state.clone()),
             std::mem::replace(&mut self.pending, pending),
             std::mem::replace(&mut self.carried, carried),
             std::mem::replace(&mut self.vanished, vanished),
+            std::mem::replace(&mut self.fallbacks, fallbacks),
         );
         let written = self.write_increment(record, problem, is_shown.then_some(fields));
         if let Err(error) = written {
-            (self.state, self.pending, self.carried, self.vanished) = before;
+            (self.state, self.pending, self.carried, self.vanished, self.fallbacks) = before;
             for series in [&mut self.series, &mut self.point_series] {
                 series.retain(|&(known, _)| known <= self.state.increments);
             }

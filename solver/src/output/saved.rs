@@ -9,7 +9,7 @@ use serde::{Deserialize, Serialize};
 
 use super::directory::Directory;
 use super::{OutputError, Recorder, RecorderOptions, Skin, SlaveFields, history, names, seal};
-use crate::contact::Beginning;
+use crate::contact::{Beginning, Fallbacks};
 use crate::model::Model;
 use crate::report;
 use crate::statics::{Problem, State};
@@ -36,6 +36,9 @@ pub struct Saved {
     /// Interfaces whose force vanished under load, with the time of the first such increment.
     #[serde(default)]
     pub(super) vanished: BTreeMap<String, f64>,
+    /// Of each interface the most slaves at the end of an increment whose masters do not carry the fit that was asked for.
+    #[serde(default)]
+    pub(super) fallbacks: BTreeMap<String, Fallbacks>,
     /// How the interfaces lay at the start.
     pub(super) beginnings: Vec<Beginning>,
 }
@@ -49,6 +52,7 @@ struct Saving<'a> {
     pending: Option<&'a SlaveFields>,
     carried: &'a BTreeSet<String>,
     vanished: &'a BTreeMap<String, f64>,
+    fallbacks: &'a BTreeMap<String, Fallbacks>,
     beginnings: &'a [Beginning],
 }
 
@@ -95,7 +99,7 @@ impl Recorder<'_> {
     }
 
     pub(super) fn write_state(&self) -> Result<(), OutputError> {
-        let Self { fingerprint, state, pending, carried, vanished, beginnings, .. } = self;
+        let Self { fingerprint, state, pending, carried, vanished, fallbacks, beginnings, .. } = self;
         let instructions = instructions();
         let saving = Saving {
             model: fingerprint,
@@ -104,6 +108,7 @@ impl Recorder<'_> {
             pending: pending.as_ref(),
             carried,
             vanished,
+            fallbacks,
             beginnings,
         };
         self.directory.write(names::STATE, |writer| {

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use diffuse_contact_mesh::names::shown;
 use serde::{Deserialize, Serialize};
 
-use crate::contact::Beginning;
+use crate::contact::{Beginning, Fallbacks};
 use crate::deck::Deck;
 use crate::material::Material;
 use crate::model::Model;
@@ -62,6 +62,10 @@ pub struct Summary {
     /// increment.
     #[serde(default)]
     pub interfaces_vanished: BTreeMap<String, f64>,
+    /// Of each interface the most slaves at the end of an increment whose masters do not carry the fit that was asked for; of the start
+    /// it is in [`interfaces`](Self::interfaces).
+    #[serde(default)]
+    pub fallbacks: BTreeMap<String, Fallbacks>,
     /// How the slaves of each interface lay at the start, with its penalty.
     #[serde(default)]
     pub interfaces: Vec<Beginning>,
@@ -140,6 +144,17 @@ impl Summary {
         self.newton_iterations = effort.iterations;
     }
 
+    /// Fallbacks of some increment that are more than those of the start, which has warnings of its own, in sentences.
+    fn new_fallbacks(&self) -> impl Iterator<Item = String> {
+        self.interfaces.iter().flat_map(|start| {
+            let most = self.fallbacks.get(&start.interface).copied().unwrap_or_default();
+            let slaves = start.slaves;
+            most.warnings(start.fallbacks, &start.interface, slaves)
+                .into_iter()
+                .map(|one| format!("in an increment, {one}"))
+        })
+    }
+
     /// What went wrong on the way, in sentences.
     #[must_use]
     pub fn shortcomings(&self) -> Vec<String> {
@@ -187,7 +202,8 @@ impl Summary {
                 ShownTime(*time)
             )
         });
-        counted.map(|(count, what)| format!("{count} {what}")).chain(idle).chain(vanished).collect()
+        let counted = counted.map(|(count, what)| format!("{count} {what}"));
+        counted.chain(idle).chain(vanished).chain(self.new_fallbacks()).collect()
     }
 }
 

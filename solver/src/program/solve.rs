@@ -1,5 +1,6 @@
 //! The jobs `solve` and `report`: statics with contact from a deck, and its page.
 
+use std::collections::BTreeMap;
 use std::io::{self, ErrorKind, IsTerminal, Write, stderr};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -8,7 +9,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use clap::Args;
 use diffuse_contact_mesh::names::shown;
-use diffuse_contact_solver::contact::Beginning;
+use diffuse_contact_solver::contact::{Beginning, Fallbacks};
 use diffuse_contact_solver::output::{Summary, Watcher, is_result, names};
 use diffuse_contact_solver::report::report as page;
 use diffuse_contact_solver::solve::{SolveError, SolveOptions, solve_text};
@@ -95,7 +96,12 @@ pub fn run(arguments: &SolveArguments) -> Result<ExitCode, CliError> {
         .with_restart(arguments.restart)
         .with_overwrite(arguments.overwrite)
         .with_threads(arguments.threads.unwrap_or_else(rayon::current_num_threads));
-    let mut progress = Progress { stop: Arc::clone(&stop), verbose: arguments.verbose, iterations: 0 };
+    let mut progress = Progress {
+        stop: Arc::clone(&stop),
+        verbose: arguments.verbose,
+        iterations: 0,
+        fallbacks: BTreeMap::new(),
+    };
     let outcome = with_threads(arguments.threads, || Ok(solve_text(text, &deck, &options, &mut progress)))?;
     match outcome {
         Ok(summary) => {
@@ -152,6 +158,8 @@ struct Progress {
     verbose: bool,
     /// Residuals of the increment on its way.
     iterations: usize,
+    /// Of each interface its slaves and the most fallbacks that were told.
+    fallbacks: BTreeMap<String, (usize, Fallbacks)>,
 }
 
 impl Watcher for Progress {
@@ -165,7 +173,9 @@ impl Watcher for Progress {
             if let Some((moved, way)) = adjusted {
                 say(&format!("  {moved} slaves were moved into touch, by up to {way:.3e}"));
             }
+            beginning.notes().iter().for_each(|note| say(&format!("  note: {note}")));
             beginning.warnings().iter().for_each(|warning| say(&format!("  warning: {warning}")));
+            self.fallbacks.insert(interface.clone(), (*slaves, beginning.fallbacks));
         }
     }
 
@@ -226,6 +236,7 @@ impl Watcher for Progress {
                 counted(*slaves, "slave")
             ));
         }
+        self.tell_fallbacks(&record.fallbacks);
         if record.supposed > 0 {
             say(&format!(
                 "  note: nothing but contact can hold a body: slaves near their masters were taken to touch in {}",
@@ -278,6 +289,17 @@ fn decision(last: &IterationRecord) -> String {
 impl Progress {
     fn control(&self) -> Control {
         if self.stop.load(Ordering::SeqCst) { Control::Stop } else { Control::Continue }
+    }
+
+    /// Tells of fallbacks where they are more than ever before.
+    fn tell_fallbacks(&mut self, now: &[(String, Fallbacks)]) {
+        for (interface, now) in now {
+            let Some((slaves, most)) = self.fallbacks.get_mut(interface) else { continue };
+            now.warnings(*most, interface, *slaves)
+                .iter()
+                .for_each(|warning| say(&format!("  warning: {warning}")));
+            *most = most.max(*now);
+        }
     }
 
     /// Removes the line of the last iteration from a terminal.

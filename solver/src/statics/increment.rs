@@ -434,6 +434,7 @@ impl<'a> Increment<'a> {
             active: problem.active(),
             lost: problem.contacts().lost(way).count(),
             vanished: problem.contacts().vanished(way).map(named).collect(),
+            fallbacks: problem.contacts().fallbacks().collect(),
             missed: problem.contacts().missed(),
             supposed: problem.supposed,
             stabilised: problem.stabilised,

@@ -5,7 +5,7 @@ use std::time::Duration;
 use diffuse_contact::interface::FrictionReport;
 
 use super::{Failure, Problem, State};
-use crate::contact::Resultant;
+use crate::contact::{Fallbacks, Resultant};
 
 /// Whether to go on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -110,6 +110,8 @@ pub struct IncrementRecord {
     pub lost: usize,
     /// Interfaces whose force vanished in it although slaves that carried it have not risen from their masters, and how many these are.
     pub vanished: Vec<(String, usize)>,
+    /// Interfaces with slaves whose masters do not carry the fit that was asked for.
+    pub fallbacks: Vec<(String, Fallbacks)>,
     /// Integration points of loaded faces that have a gap but carry no force.
     pub missed: usize,
     /// Linear solutions in which slaves near their masters were supposed to touch, as nothing else held a body.

@@ -63,6 +63,19 @@ impl SupportGroups {
         self.group_of.as_chunks::<3>().0.iter().map(|axes| axes.map(|group| group.is_some())).collect()
     }
 
+    /// The axes along which each node is held where it is.
+    #[must_use]
+    pub fn at_rest(&self) -> Vec<[bool; 3]> {
+        let rests = |(axis, group): (usize, &Option<u32>)| {
+            group.is_some_and(|group| self.groups[group as usize].support.motion.rests_along(axis))
+        };
+        let of_node = |groups: &[Option<u32>; 3]| {
+            let mut axes = groups.iter().enumerate().map(rests);
+            std::array::from_fn(|_| axes.next().unwrap_or_default())
+        };
+        self.group_of.as_chunks::<3>().0.iter().map(of_node).collect()
+    }
+
     /// Prescribed degrees of freedom and their coordinates at `time`; `start`: positions at the start.
     pub fn targets<'a>(
         &'a self,

@@ -1,6 +1,8 @@
 //! Errors of gap and normal over one cell.
 
-use diffuse_contact::interface::{ContactElement, ContactInterface, InterfaceOptions, Outcome};
+use diffuse_contact::interface::{
+    ContactElement, ContactInterface, InterfaceOptions, Outcome, PairedElement,
+};
 use diffuse_contact::neighbourhood::NeighbourRule;
 use diffuse_contact::surface::MasterSurface;
 use diffuse_contact::{FrameDerivative, Mode, Point, Weight};
@@ -8,6 +10,7 @@ use serde::Serialize;
 
 use super::shapes::Shape;
 use crate::study::StudyError;
+use crate::study::domains::weighted;
 use crate::study::patch::Patch;
 use diffuse_contact_cli::contact_options::diffuse;
 
@@ -40,6 +43,10 @@ pub struct Measurement {
     pub normal_max_degrees: f64,
     /// Mean angle, degrees.
     pub normal_mean_degrees: f64,
+    /// Masters of a slave that have a weight, on average; none on facets.
+    pub masters_mean: Option<f64>,
+    /// The most of them.
+    pub masters_max: Option<usize>,
     /// Gap error by place: entry i + 20 j at (i/20, j/20) of the cell.
     #[serde(skip)]
     errors: Vec<f64>,
@@ -81,6 +88,12 @@ pub fn measure(
         errors.push(contact.point.gap);
         angles.push(angle(contact.point.normal, *normal));
     }
+    let masters: Vec<usize> = (0..exact.len())
+        .filter_map(|slave| match interface.element(slave) {
+            Ok(PairedElement::Diffuse { pairing, .. }) => Some(weighted(&pairing).count()),
+            _ => None,
+        })
+        .collect();
     let mean = |numbers: &[f64]| numbers.iter().map(|x| x.abs()).sum::<f64>() / numbers.len() as f64;
     let most = |numbers: &[f64]| numbers.iter().fold(0.0, |most: f64, x| most.max(x.abs()));
     Ok(Measurement {
@@ -91,6 +104,9 @@ pub fn measure(
         gap_mean: mean(&errors),
         normal_max_degrees: most(&angles),
         normal_mean_degrees: mean(&angles),
+        masters_mean: (!masters.is_empty())
+            .then(|| masters.iter().sum::<usize>() as f64 / masters.len() as f64),
+        masters_max: masters.iter().copied().max(),
         errors,
     })
 }

@@ -47,6 +47,7 @@ pub fn run(arguments: &AccuracyArguments) -> Result<(), CliError> {
             let of = |m: &Measurement| [m.normal_max_degrees, m.normal_mean_degrees];
             writeln!(writer, "{}", errors(&found, &names, "error of the normal in degrees", of))?;
         }
+        writeln!(writer, "{}", masters(&all, &names))?;
         write!(writer, "{}", beside_reference(&all))
     })
 }
@@ -73,6 +74,22 @@ fn errors(
         });
         table.row(std::iter::once(format!("{size}°")).chain(cells));
         coarser = Some((size, row));
+    }
+    table
+}
+
+/// Masters of a slave, one row for each surface and size, one column for each weight.
+fn masters(all: &[Measurement], names: &[&'static str]) -> Table {
+    let smooth: Vec<&str> = names.iter().copied().filter(|name| *name != "facets").collect();
+    let heading = "Masters of a slave that have a weight, mean / largest".to_owned();
+    let mut table = Table::new(heading, ["surface", "cell"].iter().chain(&smooth).copied());
+    for shape in Shape::ALL {
+        for size in SIZES {
+            let found = all.iter().filter(|found| found.shape == shape && found.cell_degrees == size);
+            let counts = found.filter_map(|found| Some((found.masters_mean?, found.masters_max?)));
+            let cells = counts.map(|(mean, largest)| format!("{mean:.1} / {largest}"));
+            table.row([shape.description(), format!("{size}°")].into_iter().chain(cells));
+        }
     }
     table
 }

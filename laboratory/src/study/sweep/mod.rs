@@ -24,6 +24,7 @@ use crate::progress::logged;
 
 use plot::Line;
 use run::{Curve, elements, names, sweep};
+use scene::Cells;
 
 /// Colours that stay apart for the colour-blind.
 const COLOURS: [RGBColor; 3] = [RGBColor(213, 94, 0), RGBColor(0, 114, 178), RGBColor(0, 158, 115)];
@@ -34,10 +35,11 @@ pub fn run(arguments: &SweepArguments) -> Result<(), CliError> {
         output::check_target(path)?;
     }
     let elements = elements();
+    let cells = Cells { refine: arguments.refine, moved: arguments.moved };
     let bar = logged("steps", elements.len() * arguments.steps as usize);
     let curves: Result<Vec<Curve>, StudyError> = elements
         .into_par_iter()
-        .map(|element| sweep(element, arguments.refine, arguments.steps, || bar.inc(1)))
+        .map(|element| sweep(element, cells, arguments.steps, || bar.inc(1)))
         .collect();
     bar.finish_and_clear();
     let curves = curves?;
@@ -65,9 +67,14 @@ fn lines(curves: &[Curve]) -> Vec<Line<'_>> {
 }
 
 fn table(curves: &[Curve], arguments: &SweepArguments) -> Table {
-    let SweepArguments { refine, steps, .. } = arguments;
+    let SweepArguments { refine, moved, steps, .. } = arguments;
+    let moved = if *moved > 0.0 {
+        format!(", nodes moved by {} %", (1e3 * moved).round() / 10.0)
+    } else {
+        String::new()
+    };
     let heading = format!(
-        "Waves 1 high and {} long, cells of side 1/{refine}, a loop of {steps} steps at depth {}",
+        "Waves 1 high and {} long, cells of side 1/{refine}{moved}, a loop of {steps} steps at depth {}",
         scene::WAVELENGTH,
         scene::DEPTH
     );

@@ -5,7 +5,7 @@ use diffuse_contact::neighbourhood::NeighbourRule;
 use diffuse_contact::surface::MasterSurface;
 use diffuse_contact::{FrameDerivative, Mode, Point, Weight};
 
-use super::scene;
+use super::scene::{self, Cells};
 use crate::study::StudyError;
 use crate::study::accuracy::angle;
 use crate::study::patch::Patch;
@@ -58,10 +58,9 @@ fn rules() -> impl Iterator<Item = NeighbourRule> {
     RULES.into_iter().chain([NeighbourRule::hull_radius(Some(2))])
 }
 
-/// All elements: the facets, then each rule with the cubic and the interpolating weight.
+/// All elements: the facets, then each rule with each weight.
 pub fn elements() -> Vec<ContactElement> {
-    let weights = [Weight::Cubic, Weight::CubicInterpolating];
-    let smooth = weights
+    let smooth = Weight::ALL
         .into_iter()
         .flat_map(|weight| rules().map(move |rule| diffuse(weight, FrameDerivative::CoMoving, rule)));
     std::iter::once(ContactElement::NodeToFacet).chain(smooth).collect()
@@ -91,14 +90,14 @@ impl Curve {
     }
 }
 
-/// Sweeps the slave around the path in so many steps, with a refresh at each, over a mesh with cells of side 1/`refine`.
+/// Sweeps the slave around the path in so many steps, with a refresh at each, over a mesh of such cells.
 pub fn sweep(
     element: ContactElement,
-    refine: u32,
+    cells: Cells,
     steps: u32,
     mut step_done: impl FnMut(),
 ) -> Result<Curve, StudyError> {
-    let mut slave = Slave::new(element, refine)?;
+    let mut slave = Slave::new(element, cells)?;
     let turn = |step: u32| f64::from(step) / f64::from(steps);
     slave.refresh_at(scene::path(0.0))?;
     let mut curve = Curve {
@@ -163,8 +162,8 @@ struct Refreshed {
 }
 
 impl Slave {
-    fn new(element: ContactElement, refine: u32) -> Result<Self, StudyError> {
-        let Patch { mut positions, facets } = scene::mesh(refine);
+    fn new(element: ContactElement, cells: Cells) -> Result<Self, StudyError> {
+        let Patch { mut positions, facets } = cells.mesh();
         let master = MasterSurface::new(&positions, facets)?;
         let slave = positions.len();
         positions.push(scene::path(0.0));
@@ -245,9 +244,11 @@ mod tests {
 
     use super::*;
 
+    const REGULAR: Cells = Cells { refine: 1, moved: 0.0 };
+
     /// On the smooth surface with domains, whose work takes the longest.
     static SMOOTH: LazyLock<Curve> =
-        LazyLock::new(|| sweep(cubic(NeighbourRule::Domains), 1, 600, || ()).unwrap());
+        LazyLock::new(|| sweep(cubic(NeighbourRule::Domains), REGULAR, 600, || ()).unwrap());
 
     fn cubic(rule: NeighbourRule) -> ContactElement {
         diffuse(Weight::Cubic, FrameDerivative::CoMoving, rule)
@@ -258,7 +259,7 @@ mod tests {
     fn the_work_is_what_the_energy_jumps_by_at_refreshes() {
         let elements = [RULES[1], RULES[3], NeighbourRule::hull_radius(Some(2))].map(cubic);
         for element in elements.into_iter().chain([ContactElement::NodeToFacet]) {
-            let curve = sweep(element, 1, 2400, || ()).unwrap();
+            let curve = sweep(element, REGULAR, 2400, || ()).unwrap();
             assert!(curve.changes > 20, "{element:?}");
             assert_eq!(curve.lost, 0, "{element:?}");
             // The loop ends with the pairing it began with.
@@ -268,16 +269,28 @@ mod tests {
         }
     }
 
+    fn assert_smooth(curve: &Curve) {
+        let Curve { changes, gap_jump, work, effort, .. } = curve;
+        assert!(*changes > 20 && *gap_jump < 1e-14, "{changes} {gap_jump:e}");
+        assert!(work.abs() < 1e-9 * effort, "{work:e} of {effort}");
+    }
+
     #[test]
     fn with_domains_neither_gap_nor_energy_jumps() {
-        let curve = &*SMOOTH;
-        assert!(curve.changes > 20 && curve.gap_jump < 1e-14, "{} {}", curve.changes, curve.gap_jump);
-        assert!(curve.work.abs() < 1e-9 * curve.effort, "{:e} of {}", curve.work, curve.effort);
+        assert_smooth(&SMOOTH);
+    }
+
+    #[test]
+    fn neither_do_they_by_any_weight_where_nodes_are_moved() {
+        for weight in Weight::ALL {
+            let element = diffuse(weight, FrameDerivative::CoMoving, NeighbourRule::Domains);
+            assert_smooth(&sweep(element, Cells { refine: 1, moved: 0.2 }, 100, || ()).unwrap());
+        }
     }
 
     #[test]
     fn the_smooth_surface_bends_where_facets_kink() {
-        let (facets, smooth) = (&sweep(ContactElement::NodeToFacet, 1, 600, || ()).unwrap(), &*SMOOTH);
+        let (facets, smooth) = (&sweep(ContactElement::NodeToFacet, REGULAR, 600, || ()).unwrap(), &*SMOOTH);
         assert!(
             smooth.kink_degrees < 0.2 * facets.kink_degrees,
             "{} {}",
@@ -293,7 +306,7 @@ mod tests {
 
     #[test]
     fn every_step_has_a_state_and_gaps_err_to_both_sides() {
-        let curve = sweep(cubic(RULES[1]), 1, 600, || ()).unwrap();
+        let curve = sweep(cubic(RULES[1]), REGULAR, 600, || ()).unwrap();
         assert_eq!(curve.states.len(), 600);
         let [low, high] = curve.gaps();
         assert!(low < -scene::DEPTH && high > -scene::DEPTH, "{low} {high}");

@@ -3,6 +3,7 @@
 use std::f64::consts::TAU;
 
 use diffuse_contact::Point;
+use diffuse_contact_benches::Random;
 
 use crate::study::patch::Patch;
 
@@ -27,10 +28,29 @@ fn surface(x: f64, y: f64) -> (Point, Point) {
     ([x, y, AMPLITUDE * sin_x * sin_y], normal)
 }
 
-/// The mesh with cells of side 1/`refine`, nodes on the exact surface, outside above.
-pub fn mesh(refine: u32) -> Patch {
-    let size = 1.0 / f64::from(refine);
-    Patch::new([SIDE * refine as usize; 2], |i, j| surface(size * i, size * j).0)
+/// A mesh of the waves.
+#[derive(Clone, Copy, Debug)]
+pub struct Cells {
+    /// Cells have sides of 1 over this.
+    pub refine: u32,
+    /// Nodes inside are moved by up to this part of a side along each axis, at random.
+    pub moved: f64,
+}
+
+impl Cells {
+    /// The mesh, nodes on the exact surface, outside above.
+    pub fn mesh(self) -> Patch {
+        let (count, size) = (SIDE * self.refine as usize, 1.0 / f64::from(self.refine));
+        let mut random = Random::new(&[1]);
+        let moves: Vec<[f64; 2]> =
+            (0..(count + 1).pow(2)).map(|_| [random.signed(), random.signed()]).collect();
+        Patch::new([count; 2], |i, j| {
+            let by = moves[i as usize + (count + 1) * j as usize];
+            let is_inside = |k: f64| k > 0.0 && k < count as f64;
+            let room = if is_inside(i) && is_inside(j) { self.moved } else { 0.0 };
+            surface(size * (i + room * by[0]), size * (j + room * by[1])).0
+        })
+    }
 }
 
 /// The slave's position at `turn`, from 0 to 1 around the path: a Lissajous figure that runs over the facets in all

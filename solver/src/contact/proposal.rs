@@ -1,0 +1,105 @@
+//! Planes of symmetry that the boundary conditions speak of and the interface does not name.
+
+use std::collections::BTreeSet;
+
+use diffuse_contact::Point;
+use diffuse_contact::interface::ContactElement;
+use diffuse_contact::neighbourhood::NeighbourRule;
+use diffuse_contact::surface::SymmetryPlane;
+
+use super::Interaction;
+use crate::statics::Problem;
+
+/// Nodes are in a plane when they are as near to it as this part of the master's extent; so is a plane that is named.
+const ON_PLANE: f64 = 1e-6;
+
+/// The line of the deck that names the planes of an interaction and those that its boundary conditions propose; `None` if they propose
+/// none, or there are no nodal domains, which alone need them.
+///
+/// Proposed is a plane across an axis in which a border of the master lies whose nodes rest along this axis, if nothing that deforms is
+/// beyond it. Clamped edges, whose nodes rest along all axes, are no sign of symmetry, and neither are those of rigid masters: there the
+/// slave's nodes in the plane speak.
+pub fn symmetry_line(interaction: &Interaction, problem: &Problem, deformable: &[bool]) -> Option<String> {
+    let ContactElement::Diffuse { search, .. } = interaction.options().interface.element else { return None };
+    if search.rule != NeighbourRule::Domains {
+        return None;
+    }
+    let named = &interaction.options().symmetry;
+    let proposed = proposed(interaction, problem, deformable);
+    let planes: Vec<String> = named.iter().chain(&proposed).map(written).collect();
+    (!proposed.is_empty()).then(|| format!("symmetry = [{}]", planes.join(", ")))
+}
+
+fn proposed(interaction: &Interaction, problem: &Problem, deformable: &[bool]) -> Vec<SymmetryPlane> {
+    let positions = problem.start_positions();
+    let rests = problem.supports().at_rest();
+    let nodes: BTreeSet<usize> =
+        interaction.facets().iter().flat_map(|facet| facet.corners()).copied().collect();
+    let mut planes: Vec<SymmetryPlane> = Vec::new();
+    for master in interaction.passes().map(|pass| pass.master()) {
+        let border: Vec<[usize; 2]> = master.border_edges().collect();
+        let border_nodes: BTreeSet<usize> = border.iter().flatten().copied().collect();
+        for axis in 0..3 {
+            let along = |node: usize| positions[node][axis];
+            let all = master.nodes().iter().map(|&node| along(node as usize));
+            let [low, high] =
+                all.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], x| [low.min(x), high.max(x)]);
+            for (end, side) in [(low, 1.0), (high, -1.0)] {
+                let tolerance = ON_PLANE * extent(&border_nodes, positions);
+                let is_in = |node: usize| (along(node) - end).abs() <= tolerance;
+                let is_beyond = |node: usize| side * (along(node) - end) < -tolerance && deformable[node];
+                let edges = border.iter().filter(|edge| edge.iter().all(|&node| is_in(node)));
+                let of_edges: BTreeSet<usize> = edges.flatten().copied().collect();
+                let mut in_plane = nodes.iter().copied().filter(|&node| is_in(node) && deformable[node]);
+                let is_proposed = low < high
+                    && !of_edges.is_empty()
+                    && of_edges.iter().all(|&node| rests[node][axis])
+                    && in_plane.clone().all(|node| rests[node][axis])
+                    && in_plane.any(|node| rests[node] != [true; 3])
+                    && !nodes.iter().any(|&node| is_beyond(node));
+                let plane = plane(axis, end, side, tolerance);
+                let is_known = |other: &SymmetryPlane| is_same(other, &plane, tolerance);
+                if is_proposed && !interaction.options().symmetry.iter().chain(&planes).any(is_known) {
+                    planes.push(plane);
+                }
+            }
+        }
+    }
+    planes
+}
+
+/// Largest extent along an axis, length.
+fn extent(nodes: &BTreeSet<usize>, positions: &[Point]) -> f64 {
+    let extent = |axis: usize| {
+        let along = nodes.iter().map(|&node| positions[node][axis]);
+        let ends = along.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], x| [low.min(x), high.max(x)]);
+        ends[1] - ends[0]
+    };
+    (0..3).map(extent).fold(0.0, f64::max)
+}
+
+/// The plane across an axis at this coordinate, with the model on the side of this sign.
+fn plane(axis: usize, coordinate: f64, side: f64, tolerance: f64) -> SymmetryPlane {
+    let mut point = [0.0; 3];
+    point[axis] = if coordinate.abs() <= tolerance { 0.0 } else { coordinate };
+    let mut normal = [0.0; 3];
+    normal[axis] = side;
+    SymmetryPlane { point, normal }
+}
+
+/// Whether two planes are one, whichever side the model is said to be on.
+fn is_same(one: &SymmetryPlane, other: &SymmetryPlane, tolerance: f64) -> bool {
+    let dot = |a: Point, b: Point| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
+    let between = [0, 1, 2].map(|axis| one.point[axis] - other.point[axis]);
+    dot(one.normal, other.normal).abs() > 1.0 - ON_PLANE && dot(between, other.normal).abs() <= tolerance
+}
+
+/// A plane as decks have it: the name of an axis where that says it.
+fn written(plane: &SymmetryPlane) -> String {
+    let name = (0..3).find(|&axis| *plane == SymmetryPlane::across(axis, [0.0; 3]));
+    let vector = |[x, y, z]: Point| format!("[{x:?}, {y:?}, {z:?}]");
+    name.map_or_else(
+        || format!("{{ point = {}, normal = {} }}", vector(plane.point), vector(plane.normal)),
+        |axis| format!("\"{}\"", ["x", "y", "z"][axis]),
+    )
+}

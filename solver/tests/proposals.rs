@@ -1,0 +1,106 @@
+//! Planes of symmetry that boundary conditions speak of are proposed, with the line for the deck.
+
+use std::path::Path;
+
+use diffuse_contact::surface::SymmetryPlane;
+use diffuse_contact_solver::contact::Beginning;
+use diffuse_contact_solver::deck::{Contact, Deck};
+use diffuse_contact_solver::solve::statics;
+
+/// What is proposed for each interface of a deck.
+fn proposed(deck: &Deck) -> Vec<Beginning> {
+    let model = deck.model(Path::new("")).unwrap();
+    let statics = statics(deck, &model, 1).unwrap();
+    let problem = statics.problem();
+    problem.contacts().interactions().iter().map(|own| Beginning::of(own, &model, problem)).collect()
+}
+
+fn line(deck: &Deck) -> Option<String> {
+    proposed(deck).remove(0).symmetry
+}
+
+fn example(name: &str) -> Deck {
+    Deck::read(Path::new(env!("CARGO_MANIFEST_DIR")).join("../examples").join(name)).unwrap()
+}
+
+#[test]
+fn planes_that_the_deck_does_not_name_are_proposed() {
+    let mut deck = example("pipe_pinch.toml");
+    assert_eq!(line(&deck).as_deref(), Some("symmetry = [\"x\", \"y\", \"z\"]"));
+    let note = proposed(&deck)[0].notes();
+    assert!(
+        note.len() == 1 && note[0].contains("add `symmetry = [") && note[0].contains("plate on pipe"),
+        "{note:?}"
+    );
+    // Those that it names are in the line, and of no further note.
+    deck.interfaces[0].symmetry = vec![SymmetryPlane::across(1, [0.0; 3])];
+    assert_eq!(line(&deck).as_deref(), Some("symmetry = [\"y\", \"x\", \"z\"]"));
+    deck.interfaces[0].symmetry = [0, 1, 2].map(|axis| SymmetryPlane::across(axis, [0.0; 3])).to_vec();
+    assert_eq!(line(&deck), None);
+    // Facets need none.
+    deck.interfaces[0].symmetry.clear();
+    assert_eq!(line(&Deck { contact: Contact::NodeToFacet, ..deck }), None);
+    // A plane beside the origin.
+    let ring = line(&example("ring_block.toml"));
+    let beside = "symmetry = [\"x\", { point = [0.0, 0.0, -5.0], normal = [0.0, 0.0, 1.0] }]";
+    assert_eq!(ring.as_deref(), Some(beside));
+}
+
+/// A block on a floor, from x = `origin` on. `side`: boundaries.
+fn stacked(floor: &str, side: &str, origin: f64) -> Deck {
+    let text = format!(
+        r#"
+[materials.soft]
+young = 1000.0
+poisson = 0.3
+[parts.floor]
+{floor}
+[parts.block]
+shape = "box"
+origin = [{origin:?}, 0.5, 1.0]
+size = [1.0, 1.0, 1.0]
+divisions = [2, 2, 2]
+material = "soft"
+{side}
+[[boundary]]
+nodes = "block.z+"
+translate = ["free", "free", -0.1]
+[[interface]]
+name = "floor"
+master = "{}"
+slave = "block.z-"
+penalty = 500.0
+[time]
+increment = 1.0
+"#,
+        if floor.contains("rigid") { "floor" } else { "floor.z+" }
+    );
+    Deck::parse(&text).unwrap()
+}
+
+#[test]
+fn clamped_edges_and_rigid_floors_are_no_planes_of_symmetry() {
+    const SOFT: &str = "shape = \"box\"\nsize = [3.0, 2.0, 1.0]\ndivisions = [6, 4, 2]\nmaterial = \"soft\"";
+    const RIGID: &str =
+        "shape = \"rigid-plane\"\nsize = [3.0, 2.0]\ndivisions = [6, 4]\ntranslate = [0.0, 0.0, 1.0]";
+    let held = |nodes: &str, axes: &str| format!("[[boundary]]\nnodes = [{nodes}]\nfix = [{axes}]\n");
+    let fixed = held("\"floor\"", "\"x\", \"y\", \"z\"");
+    let x = Some("symmetry = [\"x\"]".to_owned());
+    for (floor, side, origin, expected) in [
+        // The block's nodes in the plane are free to leave it.
+        (SOFT, held("\"floor.x-\"", "\"x\""), 0.0, &None),
+        (SOFT, held("\"floor.x-\", \"block.x-\"", "\"x\""), 0.0, &x),
+        // The block has no nodes in the plane, and does not cross it.
+        (SOFT, held("\"floor.x-\"", "\"x\""), 1.0, &x),
+        (SOFT, held("\"floor.x-\"", "\"x\""), -0.5, &None),
+        (SOFT, held("\"floor.x-\"", "\"x\", \"y\", \"z\""), 1.0, &None),
+        (RIGID, fixed.clone(), 1.0, &None),
+        (RIGID, fixed.clone() + &held("\"block.x-\"", "\"x\""), 0.0, &x),
+        (RIGID, fixed.clone() + &held("\"block.x-\"", "\"x\""), 1.0, &None),
+    ] {
+        assert_eq!(line(&stacked(floor, &side, origin)), *expected, "{floor} {side} {origin}");
+    }
+    // A plane at the other end has its normal towards the model.
+    let far = line(&stacked(SOFT, &held("\"floor.x+\"", "\"x\""), 1.0));
+    assert_eq!(far.as_deref(), Some("symmetry = [{ point = [3.0, 0.0, 0.0], normal = [-1.0, 0.0, 0.0] }]"));
+}

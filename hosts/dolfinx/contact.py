@@ -26,16 +26,19 @@ EDGE = 1e-9
 class Nodes:
     """Nodes wherever they are owned, and a scatter that brings their displacements here from their neighbours."""
 
-    def __init__(self, blocks: np.ndarray, positions: np.ndarray, vector: PETSc.Vec) -> None:
-        self.first = positions
+    def __init__(self, blocks: np.ndarray, positions: np.ndarray, vector: PETSc.Vec, exchange: Exchange) -> None:
+        self.first, self.exchange = positions, exchange
         self.equations = (3 * blocks[:, np.newaxis] + np.arange(3)).reshape(-1).astype(PETSc.IntType)
         self.values = PETSc.Vec().createSeq(len(self.equations))
         source = PETSc.IS().createGeneral(self.equations, comm=PETSc.COMM_SELF)
         self.scatter = PETSc.Scatter().create(vector, source, self.values, None)
+        first, last = vector.getOwnershipRange()
+        self.nbytes = self.values.array_r.itemsize * int(((self.equations < first) | (self.equations >= last)).sum())
 
     def bring(self, vector: PETSc.Vec) -> np.ndarray:
         """What the vector has for these nodes, shape (n, 3)."""
         self.scatter.scatter(vector, self.values, addv=INSERT, mode=FORWARD)
+        self.exchange.received["vectors"] += self.nbytes
         return self.values.array_r.reshape(-1, 3).copy()
 
     def positions(self, vector: PETSc.Vec) -> np.ndarray:
@@ -136,6 +139,8 @@ class Contact:
 
     #: In gaps the penalty is a diagonal: what preconditions the operator needs no matrix of contact.
     preconditioned_by_matrix = False
+    #: What is evaluated before a tangent is assembled: M is evaluated where it is added, and not held.
+    mode_of_tangent = "gradient"
 
     def __init__(
         self,
@@ -153,7 +158,7 @@ class Contact:
         self.vector, self.skin, self.limit = vector, skin, limit
         self.law = {"penalty": penalty} if friction is None else {"penalty": penalty, "friction": friction}
         self.part = Part(self.exchange, boundary(space, master), {})
-        self.around = Nodes(self.part.blocks, self.part.positions, vector)
+        self.around = Nodes(self.part.blocks, self.part.positions, vector, self.exchange)
         self._take_slaves(boundary(space, slave))
         self.interface, self.renewals = None, 0
         #: 1 in the equations with given displacements, in which contact has no rows and columns.
@@ -167,7 +172,7 @@ class Contact:
         exchange, rank = self.exchange, self.exchange.comm.rank
         # First to the owner of each corner, which then knows all facets at its nodes.
         at = {int(to): own[(own.owners == to).any(axis=1)].arrays for to in np.unique(own.owners)}
-        found = [*exchange.to("surface", at).values()]
+        found = [*exchange.to("slaves", at).values()]
         facets = Facets.together(found) if found else own
         numbers, _, owners, positions, _ = facets.by_node()
         mine, positions = numbers[owners == rank], positions[owners == rank]
@@ -178,7 +183,7 @@ class Contact:
         share = (counts[:rank].sum() + np.arange(len(mine))) * exchange.comm.size // max(counts.sum(), 1)
         shares = {int(to): mine[share == to] for to in np.unique(share)}
         shares = {to: (names, *facets[np.isin(facets.nodes, names).any(axis=1)].arrays) for to, names in shares.items()}
-        found = [*exchange.to("surface", shares).values()]
+        found = [*exchange.to("slaves", shares).values()]
         self.facets = Facets.together([arrays[1:] for arrays in found]) if found else own[:0]
         names = np.concatenate([arrays[0] for arrays in found]) if found else mine[:0]
         numbers, blocks, owners, positions, corners = self.facets.by_node()
@@ -187,7 +192,7 @@ class Contact:
         place = np.argsort(order)
         self.slaves, self.corners = numbers[order][: len(names)], place[corners]
         self.slave_blocks, self.slave_owners = blocks[order], owners[order]
-        self.slave_nodes = Nodes(blocks[order], positions[order], self.vector)
+        self.slave_nodes = Nodes(blocks[order], positions[order], self.vector, exchange)
 
     @property
     def masters(self) -> int:
@@ -199,6 +204,11 @@ class Contact:
         """Bytes of surface that this rank holds: its part and its window."""
         window = 0 if self.window is None else sum(array.nbytes for array in self.window.numbers)
         return self.part.nbytes + sum(array.nbytes for array in self.facets.arrays) + window
+
+    @property
+    def vector_bytes(self) -> int:
+        """Bytes of a vector that come from other ranks in an evaluation: of the window, the part and the slaves."""
+        return self.nodes.nbytes + self.slave_nodes.nbytes + self.around.nbytes
 
     def renew(self, u: PETSc.Vec) -> None:
         """Makes the window anew, and the interface in it; histories go with their slaves."""
@@ -214,9 +224,8 @@ class Contact:
             first, self.names = np.empty((0, 3)), np.empty(0, dtype=np.int64)
         else:
             first, self.names = self.window.first_positions, self.window.nodes
-        self.nodes = Nodes(
-            np.concatenate([blocks, self.slave_blocks]), np.vstack([first, self.slave_nodes.first]), self.vector
-        )
+        blocks, first_of_all = np.concatenate([blocks, self.slave_blocks]), np.vstack([first, self.slave_nodes.first])
+        self.nodes = Nodes(blocks, first_of_all, self.vector, self.exchange)
         self.owners = np.concatenate([owners, self.slave_owners])
         self.start = self.watched(u)
         if self.window is not None:
@@ -332,7 +341,7 @@ class Contact:
         return solids.with_blocks(self.exchange.to("pattern", messages).values())
 
     def results(self) -> dict:
-        """What the slaves here have: numbers, forces, and all that an evaluation with ``"hessian"`` gave."""
+        """What the slaves here have: numbers, forces, and all that the last evaluation gave."""
         found = {"slaves": self.slaves, "slave_forces": np.zeros((len(self.slaves), 3)), "contacts": []}
         if self.interface is None:
             return found

@@ -13,15 +13,17 @@ class Exchange:
 
     def __init__(self, comm: MPI.Comm) -> None:
         self.comm = comm
-        #: Bytes that this rank has sent to others, and messages, by what they were.
-        self.sent, self.messages = Counter(), Counter()
+        #: Bytes that this rank has sent to others and received from them, and messages sent, by what they were.
+        self.sent, self.received, self.messages = Counter(), Counter(), Counter()
         self._tag = 0
 
     def gather(self, what: str, array: np.ndarray) -> list[np.ndarray]:
         """The arrays of all ranks, of any length: for a few numbers of each rank."""
         self.sent[what] += array.nbytes * (self.comm.size - 1)
         self.messages[what] += self.comm.size - 1
-        return self.comm.allgather(array)
+        arrays = self.comm.allgather(array)
+        self.received[what] += sum(of.nbytes for rank, of in enumerate(arrays) if rank != self.comm.rank)
+        return arrays
 
     def to(self, what: str, messages: dict[int, tuple[np.ndarray, ...]]) -> dict[int, tuple[np.ndarray, ...]]:
         """Sends a row of arrays to each of some ranks; returns what has come, by ascending rank.
@@ -42,6 +44,7 @@ class Exchange:
             if self.comm.iprobe(source=MPI.ANY_SOURCE, tag=self._tag, status=status):
                 source = status.Get_source()
                 here[source] = self.comm.recv(source=source, tag=self._tag)
+                self.received[what] += sum(array.nbytes for array in here[source])
             elif end is None:
                 if all(request.Test() for request in under_way):
                     end = self.comm.Ibarrier()

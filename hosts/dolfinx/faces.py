@@ -39,6 +39,8 @@ class FaceContact:
 
     #: Gaps are averages, which do not replace an unknown each: what preconditions the operator is assembled.
     preconditioned_by_matrix = True
+    #: What the exact tangent is made of is held by the evaluation.
+    mode_of_tangent = "hessian"
 
     def __init__(
         self,
@@ -58,7 +60,7 @@ class FaceContact:
         #: Facets of cells of this rank, master and slave, and those around them.
         self.own = [boundary(space, is_on) for is_on in (master, slave)]
         self.parts = [Part(self.exchange, own, {}) for own in self.own]
-        self.around = [Nodes(part.blocks, part.positions, vector) for part in self.parts]
+        self.around = [Nodes(part.blocks, part.positions, vector, self.exchange) for part in self.parts]
         self.kept = [self._owned(own) for own in self.own]
         self.slaves = self.kept[1][0]
         corners = np.concatenate([own.positions for own in self.own])
@@ -76,10 +78,10 @@ class FaceContact:
     def _owned(self, own: Facets) -> tuple[np.ndarray, Nodes]:
         """The nodes of this rank among the corners, which may all be of other ranks' cells."""
         at = {int(to): own[(own.owners == to).any(axis=1)].arrays for to in np.unique(own.owners)}
-        found = [*self.exchange.to("surface", at).values()]
+        found = [*self.exchange.to("slaves", at).values()]
         numbers, blocks, owners, positions, _ = (Facets.together(found) if found else own).by_node()
         mine = owners == self.exchange.comm.rank
-        return numbers[mine], Nodes(blocks[mine], positions[mine], self.vector)
+        return numbers[mine], Nodes(blocks[mine], positions[mine], self.vector, self.exchange)
 
     @property
     def masters(self) -> int:
@@ -92,13 +94,18 @@ class FaceContact:
         windows = [array.nbytes for window in self.windows if window is not None for array in window.numbers]
         return sum(part.nbytes for part in self.parts) + sum(windows)
 
+    @property
+    def vector_bytes(self) -> int:
+        """Bytes of a vector that come from other ranks in an evaluation: at nodes of the windows."""
+        return self.nodes.nbytes + sum(nodes.nbytes for _, nodes in self.kept)
+
     def renew(self, u: PETSc.Vec) -> None:
         """Makes the windows anew, and the interface in them; histories are those that owners have."""
         # Rows of the own nodes take the pressures at all corners of the faces beside them, which take all faces there.
         near = dc.boxes_around(self.watched(u), self.limit + self.skin + 2 * self.largest, 8)
         facets = self._faces_near(u, near)
         _, blocks, _, first, _ = facets.by_node()
-        corners = Nodes(blocks, first, self.vector)
+        corners = Nodes(blocks, first, self.vector, self.exchange)
         boxes = dc.boxes_around(first, self.largest, 8)
         slave = self.parts[1].window(self.parts[1].positions, boxes, 0.0)
         # Also where slaves have stuck.
@@ -109,7 +116,7 @@ class FaceContact:
         blocks, self.owners = (np.concatenate(both) for both in zip(master[1:], slave[1:], strict=True))
         nowhere = np.empty((0, 3))
         first = [nowhere if window is None else window.first_positions for window in self.windows]
-        self.nodes = Nodes(blocks, np.concatenate(first), self.vector)
+        self.nodes = Nodes(blocks, np.concatenate(first), self.vector, self.exchange)
         self.first_slave = len(first[0])
         self.interface = None
         if all(window is not None for window in self.windows):

@@ -22,6 +22,7 @@ from __future__ import annotations
 import argparse
 import json
 import pickle
+from collections import Counter
 from pathlib import Path
 
 import numpy as np
@@ -109,7 +110,7 @@ class Problem:
         petsc.assemble_matrix(self.solids, self.tangent_form, bcs=self.conditions)
         self.solids.assemble()
         if self.shell is None:
-            self.contact.evaluate(self.vector, "hessian")
+            self.contact.evaluate(self.vector, self.contact.mode_of_tangent)
         else:
             self.contact.linearise(self.vector, self.which)
             A.assemble()
@@ -121,7 +122,7 @@ class Problem:
 
     def shell_error(self) -> float:
         """By how much a product of the shell differs from that of the assembled matrix, over the latter; after J."""
-        self.contact.evaluate(self.vector, "hessian")
+        self.contact.evaluate(self.vector, self.contact.mode_of_tangent)
         matrix = self.contact.union(self.pattern)
         petsc.assemble_matrix(matrix, self.tangent_form, bcs=self.conditions)
         matrix.assemble()
@@ -270,23 +271,28 @@ def solve(comm: MPI.Comm, arguments: argparse.Namespace) -> tuple[dict, dict]:
     problem.take_over(x)
     snes = newton_of(comm, problem, arguments)
     found = {"iterations": [], "linear": [], "residuals": [], "renewals": []}
+    # Every M is held only to be written.
+    mode = "gradient" if arguments.results is None else "hessian"
+    first, received = Counter(contact.exchange.received), []
     for increment in range(1, arguments.press + arguments.slide + 1):
-        plate.value += PRESS if increment <= arguments.press else SLIDE
-        first = problem.predict(snes, x)
+        plate.value += arguments.way * (PRESS if increment <= arguments.press else SLIDE)
+        before = Counter(contact.exchange.received)
+        predicted = problem.predict(snes, x)
         snes.setConvergenceHistory()
         snes.solve(None, x)
         if snes.getConvergedReason() <= 0:
             raise RuntimeError(f"increment {increment}: SNES ends with reason {snes.getConvergedReason()}")
         problem.take_over(x)
         found["iterations"].append(snes.getIterationNumber())
-        found["linear"].append(first + snes.getLinearSolveIterations())
+        found["linear"].append(predicted + snes.getLinearSolveIterations())
         found["residuals"].append(snes.getConvergenceHistory()[0].tolist())
         found["renewals"].append(contact.renewals)
-        contact.evaluate(u, "hessian")
+        contact.evaluate(u, mode)
         results = contact.results()
         contact.accept(u)
+        received.append(contact.exchange.received - before)
     if not found["iterations"]:
-        contact.evaluate(u, "hessian")
+        contact.evaluate(u, mode)
         results = contact.results()
     if problem.shell is not None:
         tangent, preconditioner = snes.getJacobian()[:2]
@@ -301,6 +307,9 @@ def solve(comm: MPI.Comm, arguments: argparse.Namespace) -> tuple[dict, dict]:
         "read_of_ranks": file.nbytes,
         "sent_of_ranks": dict(contact.exchange.sent),
         "messages_of_ranks": dict(contact.exchange.messages),
+        # Before the first increment, and in each.
+        "received_of_ranks": [dict(first), *map(dict, received)],
+        "vectors_of_ranks": contact.vector_bytes,
     }
     found.update({name: comm.gather(value) for name, value in of_ranks.items()})
     found["force"] = comm.allreduce(results["slave_forces"].sum(axis=0)).tolist()
@@ -331,6 +340,7 @@ def main() -> None:
     )
     parser.add_argument("--penalty", type=float, default=PENALTY, help="force per length³")
     parser.add_argument("--lower", type=float, default=0.0, help="the block before the first increment, length")
+    parser.add_argument("--way", type=float, default=1.0, help="of the plate in an increment, over that of the problem")
     parser.add_argument("--press", type=int, default=4, help="increments down and along x")
     parser.add_argument("--slide", type=int, default=0, help="increments of 0.3 along x after that")
     parser.add_argument("--fine", type=int, default=1, help="cells in place of each, along x and y")

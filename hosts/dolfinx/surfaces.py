@@ -148,7 +148,7 @@ class Part:
             if self.part is not None:
                 own = self.part.demands
                 demands = (own.nodes, own.factors, own.crowded, own.facets, own.bases)
-            found = exchange.to("surface", {int(rank): demands for rank in beside} if demands else {})
+            found = exchange.to("demands", {int(rank): demands for rank in beside} if demands else {})
             try:
                 if self.part is not None:
                     is_settled = self.part.settle([dc.PartDemands(*arrays) for arrays in found.values()])

@@ -5,6 +5,7 @@ import os
 import pickle
 import subprocess
 import sys
+from collections import Counter
 from pathlib import Path
 
 import numpy as np
@@ -177,22 +178,46 @@ def test_ranks_make_no_difference(run, ranks, partitioner, press):
     assert_same((result, found), (one, expected))
 
 
-def test_no_rank_holds_or_sends_the_whole_surface(run):
+#: Of a facet that is sent: numbers, owners and positions of its corners.
+FACET = 200
+
+
+def test_no_rank_holds_or_receives_the_whole_surface(run):
     fine = ("--fine", "6", "--press", "0", "--lower", "0.02")
     one, whole = run(1, "dolfinx", *fine)
     assert whole.compare_with_the_whole() > 50
     facets = 54 * 30
-    assert sum(one["sent_of_ranks"][0].values()) == 0
+    assert sum(one["sent_of_ranks"][0].values()) == sum(one["received_of_ranks"][0][0].values()) == 0
     result, found = run(4, "blocks", *fine)
     assert result["renewals"] == [] and found.compare_with_the_whole() == whole.compare_with_the_whole()
     # Each reads its part of the file.
     assert max(result["read_of_ranks"]) < 0.26 * one["read_of_ranks"][0]
     assert max(result["bytes_of_ranks"]) < 0.6 * one["bytes_of_ranks"][0]
     assert max(result["masters_of_ranks"]) < 0.6 * one["masters_of_ranks"][0]
-    for sent in result["sent_of_ranks"]:
-        # What all ranks get are eight boxes and a few numbers. A facet of the surface takes 200 bytes to send.
-        assert sent["boxes"] < 3 * (8 * 6 * 8 + 200)
-        assert sent["surface"] < 200 * facets
+    sent, received = (Counter() for _ in range(2))
+    for of_rank, (first,) in zip(result["sent_of_ranks"], result["received_of_ranks"], strict=True):
+        sent.update(of_rank)
+        received.update(first)
+        # What all ranks get are eight boxes and a few numbers.
+        assert first["boxes"] < 3 * (8 * 6 * 8 + 200)
+        # The own quarter need not come: a gather of the surface would bring three quarters of it.
+        assert 0 < first["surface"] < 0.35 * FACET * facets
+        surface = sum(first[what] for what in ("surface", "demands", "slaves", "windows"))
+        assert surface < 0.45 * one["bytes_of_ranks"][0]
+    assert all(received[what] == sent[what] for what in sent)
+
+
+def test_an_increment_brings_vectors_of_the_halo_alone(run):
+    # So short a way that windows hold.
+    options = ("--fine", "6", "--press", "1", "--lower", "0.02", "--way", "0.1")
+    result, _ = run(4, "blocks", *options)
+    assert result["renewals"] == [1]
+    # Positions of all masters, for the window and for the part: a gather would bring three quarters of them.
+    whole = 2 * 24 * 55 * 31
+    for (_, received), vectors in zip(result["received_of_ranks"], result["vectors_of_ranks"], strict=True):
+        # Where lists of nodes change, the rows of the pattern go to their owners.
+        assert 0 < received["vectors"] and set(received) <= {"vectors", "pattern"}
+        assert 0 < vectors < 0.45 * whole
 
 
 def test_a_slide_over_all_partitions_with_friction(run):

@@ -163,6 +163,23 @@ fn a_large_interface_is_timed() {
 }
 
 #[test]
+fn windows_of_a_large_interface_have_the_bits_of_the_whole() {
+    let found = json(&["study", "throughput", "--nodes", "2500", "--windows", "6", "--json"]);
+    for (what, expected) in [("contacts", 2500), ("windows", 6), ("different", 0), ("beyond_window", 0)] {
+        assert_eq!(found[what], expected, "{what}");
+    }
+    let sizes = |what: &str| ["sum", "largest"].map(|size| found[what][size].as_u64().unwrap());
+    let ([nodes, most], [halo, _]) = (sizes("window_nodes"), sizes("halo_nodes"));
+    // A node more than once for each that another window holds, too.
+    assert!(0 < halo && halo < nodes && 2500 + halo / 2 <= nodes + 2500 / 5 && most < 2500, "{found}");
+    for times in ["whole", "parts"] {
+        assert!(found[times]["refresh_s"].as_f64().unwrap() > 0.0, "{times}");
+    }
+    let both = ["study", "throughput", "--nodes", "100", "--windows", "2", "--assembly"];
+    run(&both).assert_refused(&["--windows", "--assembly"]);
+}
+
+#[test]
 fn the_examples_of_the_paper_are_run() {
     let scratch = Scratch::new("paper");
     std::fs::create_dir_all(scratch.path("docs")).unwrap();

@@ -10,6 +10,9 @@ use diffuse_contact::surface::window::{Box3, Extents, Window, WindowError, boxes
 use diffuse_contact::surface::{Facet, MasterSurface, SymmetryPlane};
 use diffuse_contact::{Mode, Point};
 
+#[cfg(feature = "friction")]
+use diffuse_contact::{assembly::ContactLaw, friction::Coulomb, interface::split_history};
+
 use crate::common::{Mesh, Scene, Uniform, hull_layers};
 
 const LIMIT: f64 = 0.6;
@@ -255,6 +258,58 @@ fn a_slide_across_all_parts_is_that_of_the_whole() {
             part.interface.evaluate(Mode::Hessian).unwrap();
             assert_eq!(compare(&whole, part, places), 0);
         }
+    }
+}
+
+/// Slaves with multipliers of friction change windows and parts between two steps.
+#[cfg(feature = "friction")]
+#[test]
+fn an_augmented_history_goes_with_its_slaves_to_other_windows() {
+    let friction = Coulomb::new(0.3, 300.0).unwrap().with_augmentation(true);
+    let law = ContactLaw::penalty(400.0).with_friction(Some(friction));
+    let step = |interface: &mut ContactInterface, positions: &[Point]| {
+        interface.renew_pairing(positions).unwrap();
+        interface.evaluate(Mode::Gradient).unwrap();
+        if interface.anchors().is_some() {
+            interface.augment(&law, |_| true).unwrap();
+            interface.evaluate(Mode::Gradient).unwrap();
+        }
+        interface.accept(&law).unwrap();
+    };
+    let case = Case::new(&[]);
+    let mut whole = case.whole();
+    let slide = |positions: &mut [Point]| {
+        positions.iter_mut().for_each(|x| (x[0], x[1]) = (x[0] + 0.02, x[1] - 0.01))
+    };
+    step(&mut whole.interface, &whole.positions);
+    slide(&mut whole.positions[whole.first..]);
+    step(&mut whole.interface, &whole.positions);
+    let history = whole.interface.history();
+    let rows = split_history(&history).unwrap();
+    // Those of slaves with multipliers begin with −2.
+    assert!(rows.iter().filter(|row| row[0] == -2.0).count() > 50);
+    let mut parts = Vec::new();
+    for slaves in partitions(&case.slaves, 4).into_iter().flatten() {
+        let own = chosen(&whole.positions[whole.first..], &slaves);
+        let window = whole.interface.window(&boxes_around(&own, LIMIT + 0.1, 6), 0.0).unwrap();
+        let mut part = part(&window, &own, &whole.positions, case.options);
+        let own: Vec<f64> = slaves.iter().flat_map(|&k| rows[k]).copied().collect();
+        part.interface.set_history(&own).unwrap();
+        assert_eq!(part.interface.history(), own);
+        parts.push((part, slaves));
+    }
+    slide(&mut whole.positions[whole.first..]);
+    step(&mut whole.interface, &whole.positions);
+    let next = whole.interface.history();
+    assert_ne!(next, history);
+    let next = split_history(&next).unwrap();
+    for (part, slaves) in &mut parts {
+        let first = part.window.nodes().len();
+        slide(&mut part.positions[first..]);
+        step(&mut part.interface, &part.positions);
+        let found = part.interface.history();
+        let found = split_history(&found).unwrap();
+        assert!(found.into_iter().eq(slaves.iter().map(|&k| next[k])));
     }
 }
 

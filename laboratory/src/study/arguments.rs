@@ -147,10 +147,10 @@ pub struct ScalingArguments {
 #[derive(Args, Clone, Copy, Debug, Serialize)]
 pub struct Costs {
     /// Gap, N and M of a slave, µs
-    #[arg(long, value_name = "µs", default_value_t = 3.47, value_parser = positive)]
+    #[arg(long, value_name = "µs", default_value_t = 2.62, value_parser = positive)]
     pub evaluation: f64,
     /// Search and pairing of a slave in a new window, µs
-    #[arg(long, value_name = "µs", default_value_t = 55.1, value_parser = positive)]
+    #[arg(long, value_name = "µs", default_value_t = 18.9, value_parser = positive)]
     pub search: f64,
     /// Of a message, µs
     #[arg(long, value_name = "µs", default_value_t = 5.0, value_parser = positive)]
@@ -199,6 +199,9 @@ pub struct ThroughputArguments {
     /// Also make the pattern of the tangent and fill it; N and M of all slaves are held for that, some 7 kB each
     #[arg(long)]
     pub assembly: bool,
+    /// Also deal the slaves out to so many windows of the surface, and compare all that they have with the whole, bit for bit
+    #[arg(long, value_name = "P", conflicts_with = "assembly", value_parser = clap::value_parser!(u32).range(1..=4096))]
+    pub windows: Option<u32>,
     /// Print JSON instead of a table
     #[arg(long)]
     pub json: bool,

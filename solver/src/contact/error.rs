@@ -53,7 +53,7 @@ pub enum ContactError {
     },
     /// The tangent of such contact is no operator.
     #[error(
-        "interface `{interface}`: the tangent is an operator only of contact over nodes without friction",
+        "interface `{interface}`: the tangent is an operator only of contact over nodes, with friction as it is",
         interface = shown(interface)
     )]
     NoOperator {

@@ -248,7 +248,7 @@ impl Interaction {
         self.passes.iter().flat_map(|pass| pass.cliques())
     }
 
-    /// From here on −f M is not assembled.
+    /// From here on ε N Nᵀ alone is assembled.
     pub(super) fn operate(&mut self) -> Result<(), ContactError> {
         match self.passes.iter_mut().all(|pass| pass.operate()) {
             true => Ok(()),
@@ -256,10 +256,14 @@ impl Interaction {
         }
     }
 
-    /// Adds −f M of the passes that do not assemble it.
-    pub(super) fn add_curvature(&self, all: &mut Vec<TangentOperator>) -> Result<(), ContactError> {
+    /// Adds what the passes do not assemble of this tangent.
+    pub(super) fn add_curvature(
+        &self,
+        tangent: Tangent,
+        all: &mut Vec<TangentOperator>,
+    ) -> Result<(), ContactError> {
         for pass in &self.passes {
-            all.extend(pass.curvature().map_err(|error| error.of(&self.options.name))?);
+            all.extend(pass.curvature(tangent).map_err(|error| error.of(&self.options.name))?);
         }
         Ok(())
     }

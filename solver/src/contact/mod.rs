@@ -113,10 +113,11 @@ impl ContactSet {
         self.interactions.iter().flat_map(Interaction::cliques)
     }
 
-    /// From here on exact tangents are ε N Nᵀ in [`add_tangent`](Self::add_tangent), and the rest is an [`operator`](Self::operator).
+    /// From here on tangents are ε N Nᵀ in [`add_tangent`](Self::add_tangent), and the rest is an [`operator`](Self::operator).
     ///
     /// # Errors
-    /// [`ContactError::NoOperator`] of an interaction over faces, or with friction; some interactions may then have changed.
+    /// [`ContactError::NoOperator`] of an interaction over faces, or with a symmetric tangent of friction; some interactions may then
+    /// have changed.
     pub fn operate(&mut self) -> Result<(), ContactError> {
         self.interactions.iter_mut().try_for_each(Interaction::operate)
     }
@@ -132,9 +133,7 @@ impl ContactSet {
     ) -> Result<Option<ContactOperator>, ContactError> {
         let mut passes = Vec::new();
         for interaction in &self.interactions {
-            if asked(interaction, norms, tangent) == Tangent::Exact {
-                interaction.add_curvature(&mut passes)?;
-            }
+            interaction.add_curvature(asked(interaction, norms, tangent), &mut passes)?;
         }
         Ok((!passes.is_empty()).then(|| ContactOperator::new(passes)))
     }

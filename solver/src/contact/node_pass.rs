@@ -23,7 +23,7 @@ pub struct NodePass {
     state: PassState,
     /// Whether the tangent leaves out what is not symmetric.
     is_symmetric: bool,
-    /// Whether −f M is an operator.
+    /// Whether all of the tangent but ε N Nᵀ is an operator.
     is_operator: bool,
     /// Forces of all nodes, or the tangent of one contact.
     values: Vec<f64>,
@@ -112,22 +112,28 @@ impl Pass for NodePass {
     }
 
     fn operate(&mut self) -> bool {
-        self.is_operator = self.state.friction.is_none();
+        self.is_operator = !self.is_symmetric;
         self.is_operator
     }
 
-    fn curvature(&self) -> Result<Option<TangentOperator>, PassError> {
-        if !self.is_operator {
+    fn curvature(&self, tangent: Tangent) -> Result<Option<TangentOperator>, PassError> {
+        let is_some = tangent == Tangent::Exact || self.state.friction.is_some();
+        if !(self.is_operator && is_some) {
             return Ok(None);
         }
-        let operator = TangentOperator::new(&self.interface, &self.state.law(), &self.state.dofs)?;
+        let law = self.state.law().with_tangent(tangent);
+        let operator = TangentOperator::new(&self.interface, &law, &self.state.dofs)?;
         Ok((operator.contacts() > 0).then(|| operator.curvature()))
     }
 
     fn add_tangent(&mut self, matrix: &mut BlockMatrix, tangent: Tangent) -> Result<Symmetry, PassError> {
-        let tangent = if self.is_operator { Tangent::GaussNewton } else { tangent };
         let mut entries = std::mem::take(&mut self.values);
-        let law = self.state.with_friction(ContactLaw::penalty(self.state.penalty()).with_tangent(tangent));
+        let whole = self.state.with_friction(ContactLaw::penalty(self.state.penalty()).with_tangent(tangent));
+        let law = if self.is_operator {
+            whole.with_friction(None).with_tangent(Tangent::GaussNewton)
+        } else {
+            whole
+        };
         let mut symmetry = Symmetry::Symmetric;
         let mut nodes = Vec::new();
         for (k, contact) in self.contacts().iter().enumerate() {
@@ -142,8 +148,13 @@ impl Pass for NodePass {
             nodes.extend(contact.nodes.iter().map(|&node| node as usize));
             let size = gradient.len();
             let view = ContactView { gap: point.gap, area, gradient, hessian, slip };
-            let friction = law.friction_of(0, point.gap, area, slip);
-            let is_full = !law.is_symmetric() && friction.is_some_and(|force| force.factor_by_gap != 0.0);
+            let whole = whole.with_multipliers(self.state.multipliers.get(k..=k));
+            let friction = whole.friction_of(0, point.gap, area, slip);
+            let is_skew = !whole.is_symmetric() && friction.is_some_and(|force| force.factor_by_gap != 0.0);
+            if is_skew && !self.is_symmetric {
+                symmetry = Symmetry::General;
+            }
+            let is_full = is_skew && !self.is_operator;
             let made = if is_full {
                 entries.resize(size * size, 0.0);
                 law.element_system(&view, &mut [], &mut entries)
@@ -161,10 +172,7 @@ impl Pass for NodePass {
             match (is_full, self.is_symmetric) {
                 (false, _) => matrix.add_symmetric(&nodes, &entries, 1.0),
                 (true, true) => matrix.add_symmetric(&nodes, &symmetric_part(&entries, size), 1.0),
-                (true, false) => {
-                    matrix.add(&nodes, &entries, 1.0);
-                    symmetry = Symmetry::General;
-                }
+                (true, false) => matrix.add(&nodes, &entries, 1.0),
             }
         }
         self.values = entries;

@@ -226,13 +226,13 @@ pub trait Pass: std::fmt::Debug {
     /// Adds the tangents of the contacts that carry force; whether they are symmetric.
     fn add_tangent(&mut self, matrix: &mut BlockMatrix, tangent: Tangent) -> Result<Symmetry, PassError>;
 
-    /// From here on −f M is an operator beside what is added to a matrix; whether that is possible.
+    /// From here on only ε N Nᵀ is added to a matrix, and the rest of the tangent is an operator; whether that is possible.
     fn operate(&mut self) -> bool {
         false
     }
 
-    /// −f M at the last evaluation, if it is an operator.
-    fn curvature(&self) -> Result<Option<TangentOperator>, PassError> {
+    /// What is left of this tangent at the last evaluation, if it is an operator: −f M of the exact one, and friction.
+    fn curvature(&self, _tangent: Tangent) -> Result<Option<TangentOperator>, PassError> {
         Ok(None)
     }
 

@@ -140,8 +140,10 @@ pub(super) fn check_operator(
     if newton.linear_solver == LinearSolverChoice::Direct {
         refuse("as an operator beside linear_solver = \"direct\"")?;
     }
-    if interfaces.iter().any(|interface| interface.friction.is_some()) {
-        refuse("as an operator beside friction")?;
+    let is_symmetric =
+        |interface: &Interface| interface.friction.as_ref().is_some_and(|friction| friction.is_symmetric);
+    if interfaces.iter().any(is_symmetric) {
+        refuse("as an operator beside a symmetric tangent of friction")?;
     }
     if interfaces.iter().any(|interface| interface.integration != Integration::Nodes) {
         refuse("as an operator beside integration over faces")?;

@@ -314,7 +314,11 @@ fn a_tangent_that_is_no_operator_is_refused() {
     };
     let cases = [
         ("linear_solver = \"direct\"", "", "as an operator beside linear_solver = \"direct\""),
-        ("", "friction = 0.3\n", "as an operator beside friction"),
+        (
+            "",
+            "friction = { coefficient = 0.3, symmetric = true }\n",
+            "as an operator beside a symmetric tangent of friction",
+        ),
         ("", "integration = \"faces\"\n", "as an operator beside integration over faces"),
     ];
     for (newton, interface, reason) in cases {

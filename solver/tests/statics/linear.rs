@@ -118,6 +118,30 @@ fn the_tangent_as_an_operator_takes_the_same_steps() {
     }
 }
 
+/// All of friction is in the operator, and its stiffness that of contact: products are as exact, but the preconditioner does not know it.
+#[cfg(feature = "friction")]
+#[test]
+fn the_operator_of_friction_takes_the_same_steps() {
+    let interface = "areas = true\npenalty = 1e6\nfriction = 0.3";
+    let (direct, _) = two_blocks("direct", interface, "");
+    let (assembled, expected) = two_blocks("iterative", interface, "");
+    let (operator, found) = two_blocks("iterative\"\ncontact_tangent = \"operator", interface, "");
+    let [direct, assembled, operator] = [&direct, &assembled, &operator].map(|notes| &notes.increments[0]);
+    assert_eq!([operator.iterations; 2], [assembled.iterations, direct.iterations]);
+    assert_eq!((operator.active, operator.linear.direct_instead), (assembled.active, 0));
+    assert!(operator.linear.iterations > assembled.linear.iterations);
+    assert!(operator.linear.iterations <= 40 * operator.iterations, "{:?}", operator.linear);
+    for (own, other) in operator.contacts.iter().zip(&assembled.contacts) {
+        let difference = [0, 1, 2].map(|i| own.force[i] - other.force[i]);
+        assert!(size(difference) <= 1e-5 * size(other.force), "{difference:?} of {:?}", other.force);
+        // The upper block is pushed aside.
+        assert!(other.force[0].abs() > 0.01 * other.force[2].abs(), "{:?}", other.force);
+    }
+    let pairs = expected.positions.as_flattened().iter().zip(found.positions.as_flattened());
+    let error = pairs.map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+    assert!(error < 1e-6, "{error:e}");
+}
+
 /// A curved master under a stiff penalty, over increments: here −f M is what makes the last iterations quadratic.
 #[test]
 fn the_tangent_as_an_operator_is_as_exact_as_the_assembled_one() {

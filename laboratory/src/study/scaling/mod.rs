@@ -170,7 +170,9 @@ impl Scaling {
         let renewal_s = self.renewal_s(ranks, box_bytes);
         let Costs { evaluation, search, .. } = self.costs;
         let every = f64::from(self.every);
-        let ideal = 1e-6 * slaves.mean * (evaluation + search / every);
+        // As the times are summed up: one rank has 1, to the last digit.
+        let [evaluation, search] = [evaluation, search].map(|work| 1e-6 * (work * slaves.mean));
+        let ideal = evaluation + search / every;
         Case {
             partition,
             dealt,

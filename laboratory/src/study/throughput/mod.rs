@@ -1,12 +1,20 @@
 //! Time and memory of a large interface: a wavy master surface of quadrilaterals, and as many slave nodes on a grid that
 //! is shifted and a little finer, just above and below it.
+//!
+//! * [`windows`]: the same slaves again, each group with a window of the surface only, compared with the whole to the bit;
+//! * [`bits`]: hashes of what slaves have;
+//! * [`memory`]: of this process.
+
+mod bits;
+mod memory;
+mod windows;
 
 use std::fmt;
 use std::time::Instant;
 
 use diffuse_contact::assembly::{ContactLaw, CsrPattern, DofMap};
 use diffuse_contact::interface::{ContactInterface, InterfaceOptions, NoContact, Outcome};
-use diffuse_contact::surface::MasterSurface;
+use diffuse_contact::surface::{Facet, MasterSurface};
 use diffuse_contact::{Mode, Point};
 use serde::Serialize;
 
@@ -18,6 +26,8 @@ use crate::output;
 use crate::progress::logged;
 use crate::threads::with_threads;
 use crate::words::row;
+
+use windows::Windowed;
 
 /// Height of the waves, in cells.
 const AMPLITUDE: f64 = 1.0;
@@ -69,7 +79,21 @@ struct Assembly {
 /// Measures and prints.
 pub fn run(arguments: &ThroughputArguments) -> Result<(), CliError> {
     let side = (arguments.nodes as f64).sqrt().ceil() as usize;
-    let found = with_threads(arguments.threads, || Ok(measure(side, arguments.assembly)?))?;
+    match arguments.windows {
+        Some(count) => print(arguments, || Windowed::measure(side, count as usize, windows::REACH)),
+        None => print(arguments, || measure(side, arguments.assembly)),
+    }
+}
+
+/// Measures on so many threads and prints.
+fn print<T>(
+    arguments: &ThroughputArguments,
+    measure: impl FnOnce() -> Result<T, StudyError> + Send,
+) -> Result<(), CliError>
+where
+    T: fmt::Display + Serialize + Send,
+{
+    let found = with_threads(arguments.threads, || Ok(measure()?))?;
     if arguments.json {
         return output::write_json(&found);
     }
@@ -124,7 +148,7 @@ fn measure(side: usize, with_assembly: bool) -> Result<Throughput, StudyError> {
         refresh_kept_s,
         evaluate_s,
         assembly,
-        peak_memory_mib: peak_memory_mib(),
+        peak_memory_mib: memory::peak_mib(),
     })
 }
 
@@ -145,7 +169,7 @@ fn assemble(interface: &mut ContactInterface, nodes: usize) -> Result<Assembly, 
 }
 
 /// Positions of masters and, behind them, slaves; indices of the slaves; facets of the master.
-fn scene(side: usize) -> (Vec<Point>, Vec<usize>, Vec<diffuse_contact::surface::Facet>) {
+fn scene(side: usize) -> (Vec<Point>, Vec<usize>, Vec<Facet>) {
     let wave = std::f64::consts::TAU / WAVELENGTH;
     let height = |x: f64, y: f64| AMPLITUDE * (wave * x).sin() * (wave * y).cos();
     let Patch { mut positions, facets } = Patch::new([side - 1; 2], |x, y| [x, y, height(x, y)]);
@@ -168,20 +192,15 @@ fn timed<T>(step: impl FnOnce() -> T) -> (T, f64) {
     (result, start.elapsed().as_secs_f64())
 }
 
-/// The largest resident memory of this process, as Linux counts it.
-fn peak_memory_mib() -> Option<f64> {
-    let status = std::fs::read_to_string("/proc/self/status").ok()?;
-    let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:"))?;
-    let kibibytes: f64 = line.trim().strip_suffix("kB")?.trim().parse().ok()?;
-    Some(kibibytes / 1024.0)
+/// A time, and that of one of so many slaves.
+fn each(seconds: f64, slaves: usize) -> String {
+    let micro = 1e6 * seconds / slaves as f64;
+    format!("{seconds:.3} s, {micro:.2} µs for each slave")
 }
 
 impl fmt::Display for Throughput {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let each = |seconds: f64| {
-            let micro = 1e6 * seconds / self.nodes as f64;
-            format!("{seconds:.3} s, {micro:.2} µs for each slave")
-        };
+        let each = |seconds: f64| each(seconds, self.nodes);
         row(f, "slave, master nodes", &format!("{0}, {0}", self.nodes))?;
         row(f, "threads", &self.threads.to_string())?;
         row(f, "contacts", &format!("{}, {:.1} master nodes each", self.contacts, self.masters))?;
@@ -194,7 +213,6 @@ impl fmt::Display for Throughput {
             row(f, "fill, into new memory", &each(*fill_s))?;
             row(f, "fill again", &each(*refill_s))?;
         }
-        let memory = self.peak_memory_mib.map_or("n/a".into(), |mib| format!("{mib:.0} MiB"));
-        row(f, "peak memory", &memory)
+        row(f, "peak memory", &memory::in_words(self.peak_memory_mib))
     }
 }

@@ -47,7 +47,7 @@ impl FaceInterface {
                 let place = self.nodes.binary_search(corner).ok();
                 if let Some(node) = place.and_then(|place| self.contacts.nodes().get(place)) {
                     pressure += n * node.pressure;
-                    friction = friction + Vector3::from(node.friction) * n;
+                    friction += Vector3::from(node.friction) * n;
                 }
             }
             points.push(IntegrationPoint {

@@ -2,6 +2,7 @@
 //! written independently.
 
 #[path = "../../generated/elements.rs"]
+#[allow(dead_code, reason = "the configuration is for the build script")]
 pub mod formulas;
 
 use diffuse_contact::ad::Ad;

@@ -81,15 +81,22 @@ impl Serialize for BalanceRow {
 
 #[cfg(test)]
 mod tests {
-    use diffuse_contact::Frame;
+    use diffuse_contact::{Frame, FrameDerivative};
 
     use super::*;
 
     #[test]
     fn a_pair_of_forces_balances_and_turns() {
         let masters = [[1.0, 0.0, 0.0], [0.0, 2.0, 0.0]];
-        let [t1, t2, normal] = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
-        let frame = Frame { origin: [0.0; 3], t1, t2, normal };
+        let axes = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+        let frame = Frame {
+            origin: [0.0; 3],
+            t1: axes[0],
+            t2: axes[1],
+            normal: axes[2],
+            derivative: FrameDerivative::Held,
+            reach: 0.0,
+        };
         let element = Element::new([0.0; 3], &masters, frame, 4.0);
         let along = [-2.0, 0.0, 0.0, 2.0, 0.0, 0.0, 0.0, 0.0, 0.0];
         assert_eq!(sums(&element, &along), [0.0, 0.0]);

@@ -266,7 +266,8 @@ fn damaged_results_are_not_gone_on_from() {
         .assert_refused(&["integration points"]);
     restart_with(&|other| other["state"]["points"]["count"] = u64::MAX.into())
         .assert_refused(&["state.json", "points"]);
-    let nowhere = serde_json::json!({"nodes": [1000], "gap": [0.0], "pressure": [0.0], "status": [3]});
+    let nowhere =
+        serde_json::json!({"nodes": [1000], "gap": [0.0], "pressure": [0.0], "status": [3], "basis": [2]});
     restart_with(&|other| other["pending"] = nowhere.clone()).assert_refused(&["state.json", "nodes"]);
     restart_with(&|other| other["model"] = "0".into()).assert_refused(&["another mesh"]);
     restart_with(&|other| other["more"] = 0.into()).assert_refused(&["state.json", "unknown field `more`"]);

@@ -48,8 +48,8 @@ class RefreshReport:
         lost: without a pairing now, but with one before.
         without: without a pairing now, by the code of the reason.
         fallbacks: what the searches had to give up: ``"none"``, ``"extended"``, ``"linear"``.
-        deep: paired and deeper below the closest facet than a tenth of its size, the root of its area, when paired. If most
-            slaves are, the master may be inside out.
+        deep: paired and deeper below the closest facet than a tenth of its size, the root of its area, when paired.
+            If most slaves are, the master may be inside out.
         contacts_lost: with a gap by the old pairing at these positions, but none by the new: their forces vanish.
         contacts_gained: the other way round: forces may appear.
         smallest_gap_lost: of the contacts lost, that with the smallest gap.

@@ -284,3 +284,35 @@ fn the_flat_part_of_a_die_is_flat_but_beside_its_rounding() {
     let off = largest(beside.iter().copied());
     assert!((0.01..0.07).contains(&off), "{beside:?}");
 }
+
+/// Cells of a ring lie at all angles to the axes; however long they are, a slave needs no more masters for it.
+#[test]
+fn the_cells_of_a_ring_may_be_as_long_as_they_like() {
+    for (around, across) in [(24, 6), (24, 12), (36, 6), (48, 12)] {
+        let ring = Mesh::grid([around, across], [true, false], |s, t| {
+            let (sin, cos) = (std::f64::consts::TAU * s).sin_cos();
+            let radius = 6.0 - 4.0 * t;
+            bowl(radius * cos, radius * sin).0
+        });
+        let slaves: Vec<Point> = (0..400)
+            .map(|k| {
+                let (sin, cos) = (std::f64::consts::TAU * f64::from(k) / 400.0).sin_cos();
+                let radius = 2.1 + 3.8 * (0.618_034 * f64::from(k)).fract();
+                above_bowl([radius * cos, radius * sin], 0.1)
+            })
+            .collect();
+        let scene = ring.paired(&slaves, InterfaceOptions::default());
+        let masters: Vec<usize> = (0..slaves.len())
+            .map(|slave| {
+                let Ok(PairedElement::Diffuse { pairing, .. }) = scene.interface.element(slave) else {
+                    panic!("{slave}")
+                };
+                pairing.material.iter().filter(|node| node.distance() < 1.0).count()
+            })
+            .collect();
+        let (mean, largest) =
+            (masters.iter().sum::<usize>() as f64 / slaves.len() as f64, *masters.iter().max().unwrap());
+        println!("{around} × {across}: {mean} masters, at most {largest}");
+        assert!(mean < 14.0 && largest <= 24, "{around} × {across}: {mean}, {largest}");
+    }
+}

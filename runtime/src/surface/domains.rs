@@ -602,7 +602,9 @@ fn smallest_factor(nodes: &[Near], weight: Weight, carried: Carried, largest: f6
 }
 
 /// Whether no singular value of the weighted design matrix of so many functions, columns scaled to length one, is below the smallest
-/// one wanted: whether its Gram matrix less the square of that on the diagonal is positive definite.
+/// one wanted: whether its Gram matrix less the square of that on the diagonal is positive definite. Functions are those of
+/// coordinates in which the nodes lie as far apart in all directions: the columns of stretched cells at an angle to the centre's axes
+/// would be all but parallel, however many nodes there are.
 pub(super) fn is_well_conditioned(
     nodes: &[Near],
     weight: Weight,
@@ -611,10 +613,21 @@ pub(super) fn is_well_conditioned(
 ) -> bool {
     // Columns are scaled in the end: this is for their powers.
     let unit = nodes.last().map_or(1.0, |node| node.offset[0].abs().max(node.offset[1].abs()));
+    let within = || {
+        nodes
+            .iter()
+            .take_while(|node| node.distance < factor)
+            .map(|node| (node.offset.map(|x| x / unit), weight.fitting(node.distance / factor)))
+    };
+    let [xx, xy, yy] =
+        within().fold([0.0; 3], |[xx, xy, yy], ([a, b], w)| [xx + w * a * a, xy + w * a * b, yy + w * b * b]);
+    // Up to a factor, the inverse root of the moments.
+    let root = (xx * yy - xy * xy).sqrt();
+    let scale = 1.0 / (xx + yy);
+    let rows = [[(yy + root) * scale, -xy * scale], [-xy * scale, (xx + root) * scale]];
     let mut gram = [[0.0; 6]; 6];
-    for node in nodes.iter().take_while(|node| node.distance < factor) {
-        let [a, b] = node.offset.map(|x| x / unit);
-        let w = weight.fitting(node.distance / factor);
+    for (offset, w) in within() {
+        let [a, b] = rows.map(|row| row[0] * offset[0] + row[1] * offset[1]);
         let p = [1.0, a, b, a * a, a * b, b * b];
         for i in 0..size {
             let weighted = w * p[i];

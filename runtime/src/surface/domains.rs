@@ -128,6 +128,8 @@ pub(super) struct Near {
     pub place: u32,
     /// In the plane of the centre, length.
     offset: [f64; 2],
+    /// t1ᵀG t1, t1ᵀG t2, t2ᵀG t2 over the trace, with the axes t1, t2 of the plane and the metric G of the node's cells.
+    cells: [f64; 3],
     /// Distance in the metric of the node's cells, or of its domain.
     pub distance: f64,
 }
@@ -572,7 +574,14 @@ impl Scratch {
             if (position - self.middle).norm() > self.shell {
                 outer = outer.min(distance);
             }
-            self.nodes.push(Near { place: *place, offset: [offset.dot(&t1), offset.dot(&t2)], distance });
+            let [xx, yy, both] = [t1, t2, t1 + t2].map(|axis| domain.length(axis).powi(2));
+            let cells = [xx, 0.5 * (both - xx - yy), yy].map(|entry| entry / (xx + yy));
+            self.nodes.push(Near {
+                place: *place,
+                offset: [offset.dot(&t1), offset.dot(&t2)],
+                cells,
+                distance,
+            });
         }
         self.nodes.sort_by(|x, y| x.distance.total_cmp(&y.distance));
         outer
@@ -602,9 +611,8 @@ fn smallest_factor(nodes: &[Near], weight: Weight, carried: Carried, largest: f6
 }
 
 /// Whether no singular value of the weighted design matrix of so many functions, columns scaled to length one, is below the smallest
-/// one wanted: whether its Gram matrix less the square of that on the diagonal is positive definite. Functions are those of
-/// coordinates in which the nodes lie as far apart in all directions: the columns of stretched cells at an angle to the centre's axes
-/// would be all but parallel, however many nodes there are.
+/// one wanted, with functions of the coordinates along the centre's axes or of those in which the cells are as long in all directions:
+/// the columns of long cells at an angle to the axes are all but parallel, however many nodes there are.
 pub(super) fn is_well_conditioned(
     nodes: &[Near],
     weight: Weight,
@@ -617,25 +625,35 @@ pub(super) fn is_well_conditioned(
         nodes
             .iter()
             .take_while(|node| node.distance < factor)
-            .map(|node| (node.offset.map(|x| x / unit), weight.fitting(node.distance / factor)))
+            .map(|node| (node, weight.fitting(node.distance / factor)))
     };
-    let [xx, xy, yy] =
-        within().fold([0.0; 3], |[xx, xy, yy], ([a, b], w)| [xx + w * a * a, xy + w * a * b, yy + w * b * b]);
-    // Up to a factor, the inverse root of the moments.
-    let root = (xx * yy - xy * xy).sqrt();
-    let scale = 1.0 / (xx + yy);
-    let rows = [[(yy + root) * scale, -xy * scale], [-xy * scale, (xx + root) * scale]];
-    let mut gram = [[0.0; 6]; 6];
-    for (offset, w) in within() {
-        let [a, b] = rows.map(|row| row[0] * offset[0] + row[1] * offset[1]);
-        let p = [1.0, a, b, a * a, a * b, b * b];
-        for i in 0..size {
-            let weighted = w * p[i];
-            for j in 0..=i {
-                gram[i][j] += weighted * p[j];
+    let gram_of = |rows: [[f64; 2]; 2]| {
+        let mut gram = [[0.0; 6]; 6];
+        for (node, w) in within() {
+            let [a, b] = rows.map(|row| (row[0] * node.offset[0] + row[1] * node.offset[1]) / unit);
+            let p = [1.0, a, b, a * a, a * b, b * b];
+            for i in 0..size {
+                let weighted = w * p[i];
+                for j in 0..=i {
+                    gram[i][j] += weighted * p[j];
+                }
             }
         }
+        gram
+    };
+    if is_far_from_singular(gram_of([[1.0, 0.0], [0.0, 1.0]]), size, smallest) {
+        return true;
     }
+    let mean = within().fold([0.0; 3], |sums, (node, w)| [0, 1, 2].map(|k| sums[k] + w * node.cells[k]));
+    // The root of the mean metric, up to a factor.
+    let [xx, xy, yy] = mean.map(|entry| entry / (mean[0] + mean[2]));
+    let root = (xx * yy - xy * xy).sqrt();
+    is_far_from_singular(gram_of([[xx + root, xy], [xy, yy + root]]), size, smallest)
+}
+
+/// Whether the Gram matrix of columns, scaled to length one, less the square of the smallest singular value wanted on the diagonal, is
+/// positive definite.
+fn is_far_from_singular(mut gram: [[f64; 6]; 6], size: usize, smallest: f64) -> bool {
     let lengths: [f64; 6] = std::array::from_fn(|k| gram[k][k].sqrt());
     for i in 0..size {
         for j in 0..=i {

@@ -155,8 +155,11 @@ fn the_tangent_of_gauss_and_newton_does_not_depend_on_the_mode() {
     let dofs = DofMap::standard(pair.positions.len());
     let mut of = |mode| own.evaluate(&law(), mode).unwrap().triplets(Tangent::GaussNewton, &dofs).unwrap();
     let (short, long) = (of(Mode::Gradient), of(Mode::Hessian));
-    assert_eq!((short.rows(), short.columns(), short.values()), (long.rows(), long.columns(), long.values()));
-    assert!(!short.is_empty());
+    assert_eq!((short.rows(), short.columns()), (long.rows(), long.columns()));
+    // Kernels with and without second derivatives are different code, whose roundings are their own.
+    let largest = long.values().iter().fold(0.0, |largest: f64, value| largest.max(value.abs()));
+    let differences = short.values().iter().zip(long.values()).map(|(short, long)| (short - long).abs());
+    assert!(largest > 0.0 && differences.fold(0.0, f64::max) <= 1e-14 * largest);
 }
 
 /// Slaves slide at a limit that no pressure raises.

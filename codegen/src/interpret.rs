@@ -11,6 +11,7 @@ use rustc_hash::FxHashMap;
 
 use crate::graph::{ExprId, Graph, Op, RootFigure, RootId, Scope, SolveId, SymbolId, SystemId};
 
+pub(crate) use derivatives::differentiated_products;
 pub use derivatives::element_derivatives;
 pub use element::{element_products, element_results};
 pub use expansion::Expansion;

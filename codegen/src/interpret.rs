@@ -1,8 +1,8 @@
 //! Evaluates expressions of a graph, structured nodes included: the second witness of every kernel, in `f64`, and the third, in
 //! [`Expansion`]s, which are automatic differentiation of the formulas before any was differentiated.
 //!
-//! [`element_results`] evaluates all results of an element of the caller's, [`element_derivatives`] has its derivatives without those
-//! of the graph.
+//! [`element_results`] evaluates all results of an element of the caller's, [`element_products`] its products with a vector,
+//! [`element_derivatives`] has its derivatives without those of the graph.
 //!
 //! It shares nothing with lowering, scheduling and emission: systems are solved here by Gaussian elimination,
 //! roots by Newton's iteration, sums by summing.
@@ -11,8 +11,9 @@ use rustc_hash::FxHashMap;
 
 use crate::graph::{ExprId, Graph, Op, RootFigure, RootId, Scope, SolveId, SymbolId, SystemId};
 
+pub(crate) use derivatives::differentiated_products;
 pub use derivatives::element_derivatives;
-pub use element::element_results;
+pub use element::{element_products, element_results};
 pub use expansion::Expansion;
 pub use number::Number;
 

@@ -11,23 +11,12 @@ use diffuse_contact_codegen::model::Input;
 use diffuse_contact_codegen::{Config, ConfigError, ElementError, ElementKernels, ElementModel, Mode};
 use num_dual::{DualNum as _, HyperDual};
 
-use crate::witnesses::{Number, by_hyper_dual, difference, numbers, spring, sum};
+use crate::witnesses::{Number, by_hyper_dual, difference, numbers, spring, sum, tet4};
 
 const GOLDEN: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../generated/golden/element_spring.rs");
 
 /// SymX's count for the Hessian of the same element, ACM TOG 45(1):5, 2026.
 const SYMX_OPERATIONS: usize = 1_833;
-
-/// A tetrahedron of compressible neo-Hooke material, from its energy.
-fn tet4(m: &ElementModel<'_>) {
-    let (x, X): ([Vec3<'_>; 4], [Vec3<'_>; 4]) = (m.variable("x"), m.parameter("X"));
-    let [lambda, mu] = m.parameters(["lambda", "mu"]);
-    let [d, D] = [x, X].map(|x| Mat3::from_columns([1, 2, 3].map(|k| x[k] - x[0])));
-    let F = m.define("F", d * D.inverse());
-    let J = m.define("J", F.determinant());
-    let W = 0.5 * mu * (F.double_dot(F) - 3.0) - mu * J.ln() + 0.5 * lambda * J.ln().powi(2);
-    m.energy(D.determinant() / 6.0 * W);
-}
 
 /// The same without names for what it is made of.
 fn tet4_unnamed(m: &ElementModel<'_>) {

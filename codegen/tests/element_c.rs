@@ -4,23 +4,13 @@
 use std::fmt::Write as _;
 use std::process::Command;
 
-use diffuse_contact_codegen::expr::{Expr, Mat3, Matrix, Vec3, Vector};
+use diffuse_contact_codegen::expr::{Expr, Matrix, Vec3, Vector};
 use diffuse_contact_codegen::interpret::{Interpreter, NodeInputs, element_results};
 use diffuse_contact_codegen::{Config, ElementKernels, ElementModel, Kernel, Limits, Mode};
 
-use crate::witnesses::spring;
+use crate::witnesses::{spring, tet4};
 
 const GOLDEN: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../generated/golden/element_spring.h");
-
-fn tet4(m: &ElementModel<'_>) {
-    let (x, X): ([Vec3<'_>; 4], [Vec3<'_>; 4]) = (m.variable("x"), m.parameter("X"));
-    let [lambda, mu] = m.parameters(["lambda", "mu"]);
-    let [d, D] = [x, X].map(|x| Mat3::from_columns([1, 2, 3].map(|k| x[k] - x[0])));
-    let F = m.define("F", d * D.inverse());
-    let J = m.define("J", F.determinant());
-    let W = 0.5 * mu * (F.double_dot(F) - 3.0) - mu * J.ln() + 0.5 * lambda * J.ln().powi(2);
-    m.energy(D.determinant() / 6.0 * W);
-}
 
 /// Every operation that C has other words for, and names that are words of C.
 fn words(m: &ElementModel<'_>) {

@@ -5,6 +5,7 @@ mod element;
 mod element_c;
 mod element_nodes;
 mod element_points;
+mod element_products;
 mod element_roots;
 mod emitted;
 mod formulas;

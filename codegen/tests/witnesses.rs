@@ -1,7 +1,8 @@
 //! What elements are compared with.
+#![allow(non_snake_case)]
 
 use diffuse_contact_codegen::ElementModel;
-use diffuse_contact_codegen::expr::Vec3;
+use diffuse_contact_codegen::expr::{Mat3, Vec3};
 use num_dual::{DualNum, HyperDual};
 
 /// Numbers of the energies that automatic differentiation evaluates.
@@ -60,4 +61,15 @@ pub fn spring(m: &ElementModel<'_>) {
     m.energy(0.5 * stiffness * stretch.powi(2));
     m.value("force", stiffness * stretch);
     m.describe("force", "Tension, positive when stretched.");
+}
+
+/// A tetrahedron of compressible neo-Hooke material, from its energy.
+pub fn tet4(m: &ElementModel<'_>) {
+    let (x, X): ([Vec3<'_>; 4], [Vec3<'_>; 4]) = (m.variable("x"), m.parameter("X"));
+    let [lambda, mu] = m.parameters(["lambda", "mu"]);
+    let [d, D] = [x, X].map(|x| Mat3::from_columns([1, 2, 3].map(|k| x[k] - x[0])));
+    let F = m.define("F", d * D.inverse());
+    let J = m.define("J", F.determinant());
+    let W = 0.5 * mu * (F.double_dot(F) - 3.0) - mu * J.ln() + 0.5 * lambda * J.ln().powi(2);
+    m.energy(D.determinant() / 6.0 * W);
 }

@@ -70,6 +70,7 @@ fn write(program: &Program<FacetSpec>) -> EmittedFacetKernel {
         name: function_name(spec),
         inputs: quote!(FacetInputs<E, #corners>),
         fields: &signature.inputs,
+        direction: None,
         values: format_ident!("FacetValues"),
         arguments: &arguments(&signature, spec.mode),
         points: &signature.points,

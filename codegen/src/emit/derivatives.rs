@@ -4,7 +4,7 @@ use proc_macro2::{Ident, TokenStream};
 use quote::{format_ident, quote};
 
 use super::fixed::Argument;
-use crate::model::{Differentiated, Mode, Role, Signature};
+use crate::model::{Differentiated, ElementSpec, Mode, Returned, Role, Signature};
 
 /// An argument that derivatives are written to.
 #[derive(Clone, Debug)]
@@ -21,9 +21,36 @@ enum Entries {
     Hessian,
     /// Of a quantity with so many entries, a row for each.
     Jacobian(usize),
+    /// Of a Hessian with a vector: one for each variable.
+    HessianProduct,
+    /// Of a Jacobian with a vector: one for each entry of the quantity.
+    JacobianProduct(usize),
 }
 
+/// The argument with the vector of a product.
+pub(super) const DIRECTION: &str = "direction";
+
 impl Derivative {
+    /// Those of a kernel.
+    pub fn of(spec: &ElementSpec) -> Vec<Self> {
+        match spec.direction {
+            Some(_) => Self::products(&spec.signature),
+            None => Self::all(&spec.signature, spec.mode),
+        }
+    }
+
+    /// Products of derivatives with a vector.
+    pub fn products(signature: &Signature) -> Vec<Self> {
+        let product = |value: &Returned| {
+            let entries = match value.differentiated {
+                Differentiated::Twice => Entries::HessianProduct,
+                _ => Entries::JacobianProduct(value.dimensions.iter().product()),
+            };
+            Some(Self { name: value.product()?, entries })
+        };
+        signature.values.iter().filter_map(product).collect()
+    }
+
     /// Those of a mode.
     pub fn all(signature: &Signature, mode: Mode) -> Vec<Self> {
         let mut all = Vec::new();
@@ -46,9 +73,9 @@ impl Derivative {
         all
     }
 
-    /// The names of those of a mode.
-    pub fn names(signature: &Signature, mode: Mode) -> Vec<String> {
-        Self::all(signature, mode).into_iter().map(|derivative| derivative.name).collect()
+    /// The names of those of a kernel.
+    pub fn names(spec: &ElementSpec) -> Vec<String> {
+        Self::of(spec).into_iter().map(|derivative| derivative.name).collect()
     }
 
     pub fn ident(&self) -> Ident {
@@ -58,18 +85,20 @@ impl Derivative {
     /// Number of entries, for so many variables.
     pub const fn length(&self, variables: usize) -> usize {
         match self.entries {
-            Entries::Gradient => variables,
+            Entries::Gradient | Entries::HessianProduct => variables,
             Entries::Hessian => variables * (variables + 1) / 2,
             Entries::Jacobian(rows) => rows * variables,
+            Entries::JacobianProduct(rows) => rows,
         }
     }
 
     /// The same for `count` nodes.
     pub fn length_by_count(&self) -> TokenStream {
         match self.entries {
-            Entries::Gradient => quote!(variables(count)),
+            Entries::Gradient | Entries::HessianProduct => quote!(variables(count)),
             Entries::Hessian => quote!(packed_row(variables(count))),
             Entries::Jacobian(rows) => quote!(#rows * variables(count)),
+            Entries::JacobianProduct(rows) => quote!(#rows),
         }
     }
 
@@ -78,6 +107,7 @@ impl Derivative {
         match self.entries {
             Entries::Hessian => quote!(Mode::Hessian),
             Entries::Gradient | Entries::Jacobian(_) => quote!(Mode::Gradient),
+            Entries::HessianProduct | Entries::JacobianProduct(_) => quote!(Mode::Value),
         }
     }
 
@@ -100,16 +130,30 @@ impl Derivative {
                 let of = self.name.trim_end_matches("_jacobian");
                 format!("∂{of}/∂x, a row per entry, x: {by}")
             }
+            Entries::HessianProduct => format!("∂²energy/∂x∂x v, x: {by}"),
+            Entries::JacobianProduct(_) => {
+                let of = self.name.trim_end_matches("_jacobian_product");
+                format!("∂{of}/∂x v, x: {by}")
+            }
         }
     }
 }
 
 /// What derivatives of a mode are written to, of an element of fixed size.
 pub(crate) fn arguments(signature: &Signature, mode: Mode) -> Vec<Argument> {
+    sized(Derivative::all(signature, mode), signature)
+}
+
+/// The same of a kernel.
+pub(super) fn arguments_of(spec: &ElementSpec) -> Vec<Argument> {
+    sized(Derivative::of(spec), &spec.signature)
+}
+
+fn sized(derivatives: Vec<Derivative>, signature: &Signature) -> Vec<Argument> {
     let count = signature.variables();
     let argument = |derivative: Derivative| {
         let length = derivative.length(count);
         (derivative.name, length)
     };
-    Derivative::all(signature, mode).into_iter().map(argument).collect()
+    derivatives.into_iter().map(argument).collect()
 }

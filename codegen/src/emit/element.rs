@@ -1,14 +1,14 @@
 //! The module of an element of the caller's: types, kernels by mode, and what runs them.
 
-use proc_macro2::{Group, Ident, Literal, TokenStream, TokenTree};
+use proc_macro2::{Group, Literal, TokenStream, TokenTree};
 use quote::{format_ident, quote};
 
 use super::count::OpCounts;
-use super::derivatives::{Derivative, arguments};
+use super::derivatives::{Derivative, arguments_of};
 use super::fixed::{Fixed, Head, nested};
 use super::function::solver_name;
 use super::node_element::emit_node_kernel;
-use super::{element_module, node_module};
+use super::{element_module, node_module, product_module};
 use crate::graph::Iteration;
 use crate::lower::lower;
 use crate::model::{Defined, ElementError, ElementKernels, ElementSpec, Kernel, Mode, Signature};
@@ -35,16 +35,18 @@ pub struct EmittedElementKernel {
 #[must_use]
 pub fn emit_element_kernel(kernel: &Kernel<ElementSpec>) -> EmittedElementKernel {
     let program = Program::new(lower(kernel));
-    let ElementSpec { signature, mode, .. } = &program.kernel.spec;
+    let spec = &program.kernel.spec;
+    let ElementSpec { signature, mode, direction, .. } = spec;
     if !signature.nodes.is_empty() {
-        let names = Derivative::names(signature, *mode);
-        return emit_node_kernel(&program, &names, |kernel| documentation(&program.kernel.spec, kernel));
+        let names = Derivative::names(spec);
+        return emit_node_kernel(&program, &names, |kernel| documentation(spec, kernel));
     }
-    let arguments = arguments(signature, *mode);
+    let arguments = arguments_of(spec);
     let head = Head {
-        name: function_name(*mode),
+        name: format_ident!("{}", function_name(spec)),
         inputs: quote!(Inputs<E>),
         fields: &signature.inputs,
+        direction: direction.as_ref().map(|symbols| &symbols.element[..]),
         values: format_ident!("Values"),
         arguments: &arguments,
         points: &signature.points,
@@ -61,7 +63,7 @@ pub fn emit_element_kernel(kernel: &Kernel<ElementSpec>) -> EmittedElementKernel
         iteration: function.iteration,
         statements: function.statements,
     };
-    let documentation = documentation(&program.kernel.spec, &kernel);
+    let documentation = documentation(spec, &kernel);
     kernel.tokens = function.tokens(&head, &documentation);
     kernel
 }
@@ -77,10 +79,11 @@ pub fn emit_element(
 ) -> Result<TokenStream, ElementError> {
     let signature = &element.signature;
     let (mut kernels, mut iterations) = (Vec::new(), Vec::new());
-    for kernel in &element.kernels {
-        let EmittedElementKernel { mode, tokens, statements, .. } = emit_element_kernel(kernel);
+    for kernel in element.kernels.iter().chain(&element.product) {
+        let EmittedElementKernel { tokens, statements, .. } = emit_element_kernel(kernel);
         if statements > super::MOST_STATEMENTS {
-            return Err(ElementError::TooLong { function: function_name(mode).to_string(), statements });
+            let function = function_name(&kernel.spec).to_owned();
+            return Err(ElementError::TooLong { function, statements });
         }
         iterations.extend(kernel.roots().into_iter().map(|root| kernel.graph.root(root).iteration));
         kernels.push(tokens);
@@ -104,6 +107,9 @@ pub fn emit_element(
     } else {
         (element_module::types(signature, last), element_module::runners(signature, last), None)
     };
+    let products = element.product.as_ref().map(|product| {
+        if has_nodes { product_module::with_nodes(product) } else { product_module::of_fixed_size(signature) }
+    });
     Ok(without_suffixes(quote! {
         #[doc = #doc]
         #[allow(clippy::all, clippy::pedantic, non_snake_case)]
@@ -118,6 +124,7 @@ pub fn emit_element(
             #types
             #(#kernels)*
             #runners
+            #products
         }
     }))
 }
@@ -145,26 +152,30 @@ pub(super) fn title(signature: &Signature) -> String {
     }
 }
 
-fn function_name(mode: Mode) -> Ident {
-    format_ident!("{}", mode.name())
+/// Name of a kernel's function.
+pub(super) const fn function_name(spec: &ElementSpec) -> &'static str {
+    if spec.direction.is_some() { "product" } else { spec.mode.name() }
 }
 
 fn documentation(spec: &ElementSpec, kernel: &EmittedElementKernel) -> Vec<String> {
-    let ElementSpec { signature, mode, quantities, .. } = spec;
+    let ElementSpec { signature, mode, quantities, direction, .. } = spec;
     let with = match mode {
+        _ if direction.is_some() => {
+            "Products of derivatives with a vector v, `direction`, without the derivatives"
+        }
         Mode::Value => "Values",
         Mode::Gradient => "Values and first derivatives",
         Mode::Hessian => "Values, first and second derivatives",
     };
     let mut lines = vec![format!(" {}", title(signature)), String::new(), format!(" {with}:"), String::new()];
-    for value in &signature.values {
+    for value in signature.values.iter().filter(|_| direction.is_none()) {
         lines.push(format!(
             " * `{}`{}",
             value.name,
             if value.doc.is_empty() { String::new() } else { format!(": {}", value.doc) }
         ));
     }
-    for derivative in Derivative::all(signature, *mode) {
+    for derivative in Derivative::of(spec) {
         lines.push(format!(" * `{}`: {}", derivative.name, derivative.meaning(signature)));
     }
     if !quantities.is_empty() {
@@ -192,10 +203,11 @@ fn documentation(spec: &ElementSpec, kernel: &EmittedElementKernel) -> Vec<Strin
     });
     if !signature.nodes.is_empty() {
         lines.push(String::new());
-        lines.push(format!(
-            " `scratch`: [`SCRATCH`]`[{}]` numbers for each of the n nodes, of any content.",
-            *mode as usize
-        ));
+        let scratch = match direction {
+            Some(_) => "[`PRODUCT_SCRATCH`]".to_owned(),
+            None => format!("[`SCRATCH`]`[{}]`", *mode as usize),
+        };
+        lines.push(format!(" `scratch`: {scratch} numbers for each of the n nodes, of any content."));
         lines.push(String::new());
         lines.push(" # Panics".to_owned());
         lines.push(" If a slice is shorter than the nodes need.".to_owned());

@@ -7,8 +7,8 @@ use quote::{format_ident, quote};
 use super::element::without_suffixes;
 use super::fixed::nested;
 use super::module::places;
-use crate::interpret::{element_derivatives, element_results};
-use crate::model::{ElementError, ElementKernels, Input, Signature};
+use crate::interpret::{differentiated_products, element_derivatives, element_products, element_results};
+use crate::model::{ElementError, ElementKernels, ElementSpec, Input, Kernel, Signature};
 
 /// Largest difference of a kernel from what it is compared with, relative to the largest entry.
 const TOLERANCE: f64 = 1e-12;
@@ -43,11 +43,14 @@ pub fn emit_element_test(
             }
         }
     });
+    let products =
+        element.product.as_ref().map(|kernel| products(element, kernel, inputs, nodes)).transpose()?;
     let fields = fields(&signature.inputs, &inputs.concat());
     let of_nodes = (!signature.nodes.is_empty()).then(|| {
         let nodes = nodes.iter().map(|numbers| self::fields(&signature.nodes, numbers));
         quote!(nodes: &[#(Node { #nodes }),*])
     });
+    let lifetime = of_nodes.is_some().then(|| quote!('static,));
     let (module, tests) = (format_ident!("{}", signature.name), format_ident!("{}_tests", signature.name));
     Ok(without_suffixes(quote! {
         #[cfg(test)]
@@ -65,13 +68,19 @@ pub fn emit_element_test(
 
             #differentiated
 
+            #products
+
             /// Of one element, and of several side by side.
             fn all() -> Vec<Results> {
-                let inputs = Inputs { #fields #of_nodes };
+                let inputs = inputs();
                 let mut all = vec![evaluate(Mode::Value, &inputs); 3];
                 batch(best_isa(), Mode::Hessian, &[inputs; 3], &mut all);
                 all.push(evaluate(Mode::Hessian, &inputs));
                 all
+            }
+
+            fn inputs() -> Inputs<#lifetime f64> {
+                Inputs { #fields #of_nodes }
             }
 
             fn agree(name: &str, found: &[f64], expected: &[f64], tolerance: f64) {
@@ -85,6 +94,60 @@ pub fn emit_element_test(
             }
         }
     }))
+}
+
+/// The tests of products with a vector.
+fn products(
+    element: &ElementKernels,
+    kernel: &Kernel<ElementSpec>,
+    inputs: &[Vec<f64>],
+    nodes: &[Vec<f64>],
+) -> Result<TokenStream, ElementError> {
+    let signature = &element.signature;
+    let direction = direction(signature.variables() + signature.node_variables() * nodes.len());
+    let (inputs, of_nodes) = (slices(inputs), slices(nodes));
+    let interpreted = element_products(kernel, &inputs, &of_nodes, &direction);
+    let interpreted = comparisons(signature, &interpreted, |result| ElementError::TestResult { result })?;
+    let differentiated = differentiated_products(element, &inputs, &of_nodes, &direction);
+    let differentiated =
+        comparisons(signature, &differentiated, |result| ElementError::TestDerivative { result })?;
+    let (none, vectors) = if signature.nodes.is_empty() {
+        (quote!(Products::ZERO), quote!(&[DIRECTION; 3]))
+    } else {
+        (quote!(Products::default()), quote!(&[&DIRECTION[..]; 3]))
+    };
+    let count = direction.len();
+    Ok(quote! {
+        const DIRECTION: [f64; #count] = [#(#direction),*];
+
+        #[test]
+        fn products_are_those_of_the_interpreter() {
+            for found in products() {
+                #(#interpreted)*
+            }
+        }
+
+        #[test]
+        fn products_are_those_of_automatic_differentiation() {
+            for found in products() {
+                #(#differentiated)*
+            }
+        }
+
+        /// Of one element, and of several side by side.
+        fn products() -> Vec<Products> {
+            let mut all = vec![#none; 3];
+            multiply_batch(best_isa(), &[inputs(); 3], #vectors, &mut all);
+            all.push(multiply(&inputs(), &DIRECTION));
+            all
+        }
+    })
+}
+
+/// A vector whose entries look random, with few digits.
+fn direction(count: usize) -> Vec<f64> {
+    // Steps of the golden ratio never repeat.
+    (1..=count).map(|k| ((0.618_034 * k as f64).fract() * 1e3).round() / 1e3 - 0.5).collect()
 }
 
 fn check_lengths(signature: &Signature, inputs: &[Vec<f64>], nodes: &[Vec<f64>]) -> Result<(), ElementError> {

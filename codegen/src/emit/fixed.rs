@@ -6,6 +6,7 @@ use proc_macro2::{Ident, TokenStream};
 use quote::{format_ident, quote};
 
 use super::count::OpCounts;
+use super::derivatives::DIRECTION;
 use super::function::FunctionWriter;
 use crate::graph::{ExprId, NODE_COUNT, Op};
 use crate::model::{Input, Points, Value};
@@ -21,6 +22,8 @@ pub(crate) struct Head<'a> {
     pub inputs: TokenStream,
     /// Its fields.
     pub fields: &'a [Input],
+    /// Symbols of the vector that is an argument too, of a kernel of products; it returns nothing.
+    pub direction: Option<&'a [String]>,
     /// Name of the struct that is returned.
     pub values: Ident,
     /// Values that are no fields of it.
@@ -49,6 +52,9 @@ impl Fixed {
         let mut function = FunctionWriter::new(program);
         let arguments: Vec<&str> = head.arguments.iter().map(|(name, _)| name.as_str()).collect();
         function.writer.names.reserve(&arguments);
+        if head.direction.is_some() {
+            function.writer.names.reserve(&[DIRECTION]);
+        }
         // Constants of a module are no patterns.
         function.writer.names.reserve(&["VARIABLES", "OPTIMISED"]);
 
@@ -85,8 +91,8 @@ impl Fixed {
             fields.push(quote!(#field: #whole));
         }
         function.counts.element += function.writer.take_counts();
-        let reads = reads(&mut function, head.fields);
-        let values = &head.values;
+        let reads = head.reads(&mut function);
+        let returned = head.returned(&fields);
         Self {
             counts: function.counts.total(0),
             iteration: function.counts.iteration,
@@ -95,7 +101,7 @@ impl Fixed {
                 #(#reads)*
                 #(#body)*
                 #(#outputs)*
-                #values { #(#fields),* }
+                #returned
             },
         }
     }
@@ -115,14 +121,15 @@ impl Fixed {
         let of_point = function.writer.take_counts();
         let additions = OpCounts { additions: outputs.len(), ..OpCounts::default() };
         counts += (of_point + additions).times(head.points.rows.len());
-        let reads = reads(&mut function, head.fields);
+        let reads = head.reads(&mut function);
         let point_reads = point_reads(&mut function, head.points);
         let (table, number) = (table(head.points), head.points.rows.len());
         let zeros = head.arguments.iter().map(|(name, length)| {
             let name = format_ident!("{name}");
             quote!(for entry in 0..#length { #name[entry] = E::ZERO; })
         });
-        let values = &head.values;
+        let returned = head.returned(&fields);
+        let sums = (count > 0).then(|| quote!(let mut sums = [E::ZERO; #count];));
         Self {
             counts,
             iteration: function.counts.iteration,
@@ -132,13 +139,13 @@ impl Fixed {
                 #(#reads)*
                 #before
                 #(#zeros)*
-                let mut sums = [E::ZERO; #count];
+                #sums
                 for point in 0..#number {
                     #(#point_reads)*
                     #body
                     #(#outputs)*
                 }
-                #values { #(#fields),* }
+                #returned
             },
         }
     }
@@ -146,6 +153,11 @@ impl Fixed {
     /// The function.
     pub fn tokens(&self, head: &Head<'_>, documentation: &[String]) -> TokenStream {
         let Head { name, inputs, values, .. } = head;
+        let direction = head.direction.map(|symbols| {
+            let (name, length) = (format_ident!("{DIRECTION}"), symbols.len());
+            quote!(#name: &[E; #length],)
+        });
+        let returns = head.direction.is_none().then(|| quote!(-> #values<E>));
         let arguments = head.arguments.iter().map(|(name, length)| {
             let name = format_ident!("{name}");
             quote!(#name: &mut [E; #length],)
@@ -156,8 +168,9 @@ impl Fixed {
             #[inline(always)]
             pub fn #name<E: Lane>(
                 inputs: &#inputs,
+                #direction
                 #(#arguments)*
-            ) -> #values<E> {
+            ) #returns {
                 #body
             }
         }
@@ -215,6 +228,25 @@ impl Head<'_> {
         let is_argument = |value: &&Value| self.arguments.iter().any(|(name, _)| *name == value.name);
         program.kernel.values.iter().partition(is_argument)
     }
+
+    /// The struct that is returned, if one is.
+    fn returned(&self, fields: &[TokenStream]) -> Option<TokenStream> {
+        let values = &self.values;
+        self.direction.is_none().then(|| quote!(#values { #(#fields),* }))
+    }
+
+    /// `let`s for what is used of the inputs and of the vector.
+    fn reads<S>(&self, function: &mut FunctionWriter<'_, S>) -> Vec<TokenStream> {
+        let mut all = reads(function, self.fields);
+        if let Some(names) = self.direction {
+            let symbols = symbols(function);
+            let entries: Vec<TokenStream> =
+                names.iter().map(|name| entry(function, &symbols, name)).collect();
+            let direction = format_ident!("{DIRECTION}");
+            all.push(quote!(let [#(#entries),*] = *#direction;));
+        }
+        all
+    }
 }
 
 /// Statements whose values are the same at all points, and the others.
@@ -245,7 +277,7 @@ fn table(points: &Points) -> TokenStream {
 }
 
 /// The symbols that a function uses, by name.
-fn symbols<S>(function: &FunctionWriter<'_, S>) -> FxHashMap<String, ExprId> {
+pub(super) fn symbols<S>(function: &FunctionWriter<'_, S>) -> FxHashMap<String, ExprId> {
     let graph = &function.program.kernel.graph;
     (0..graph.len())
         .map(|k| ExprId(k as u32))
@@ -276,16 +308,22 @@ fn reads<S>(function: &mut FunctionWriter<'_, S>, fields: &[Input]) -> Vec<Token
         if input.symbols.iter().all(|name| !symbols.contains_key(name)) {
             continue;
         }
-        let mut entry = |name: &String| {
-            let ident =
-                symbols.get(name).map_or_else(|| format_ident!("_"), |&expr| function.writer.ident(expr));
-            quote!(#ident)
-        };
-        let entries: Vec<TokenStream> = input.symbols.iter().map(&mut entry).collect();
+        let entries: Vec<TokenStream> =
+            input.symbols.iter().map(|name| entry(function, &symbols, name)).collect();
         let (pattern, field) = (nested(&input.dimensions, &entries), format_ident!("{}", input.name));
         all.push(quote!(let #pattern = inputs.#field;));
     }
     all
+}
+
+/// The identifier of a symbol, `_` if it is not used.
+fn entry<S>(
+    function: &mut FunctionWriter<'_, S>,
+    symbols: &FxHashMap<String, ExprId>,
+    name: &String,
+) -> TokenStream {
+    let ident = symbols.get(name).map_or_else(|| format_ident!("_"), |&expr| function.writer.ident(expr));
+    quote!(#ident)
 }
 
 /// The same for functions with loops over the nodes, whose number may be an input.

@@ -14,6 +14,7 @@ mod names;
 mod node_element;
 mod node_loop;
 mod node_module;
+mod product_module;
 mod shape;
 
 pub use c::emit_c;

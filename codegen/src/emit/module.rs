@@ -153,3 +153,16 @@ pub(super) fn stored(
     });
     quote!(#(#stored)*)
 }
+
+/// Products from lanes to those they belong to, which `result` is a pattern of that binds `product`.
+pub(super) fn stored_products(
+    all: &[Derivative],
+    results: &TokenStream,
+    result: &TokenStream,
+) -> TokenStream {
+    let stored = all.iter().map(|derivative| {
+        let name = derivative.ident();
+        quote!(T::store_transposed(&#name, #results, |#result| &mut product.#name[..]);)
+    });
+    quote!(#(#stored)*)
+}

@@ -4,12 +4,13 @@ use proc_macro2::TokenStream;
 use quote::{format_ident, quote};
 
 use super::count::OpCounts;
-use super::element::EmittedElementKernel;
+use super::derivatives::DIRECTION;
+use super::element::{EmittedElementKernel, function_name};
 use super::expression::Lanes;
-use super::fixed::{nested, reads_and_count};
+use super::fixed::{self, nested, reads_and_count};
 use super::function::FunctionWriter;
 use super::node_loop::{NodeArray, Outputs};
-use crate::model::{ElementSpec, Input, NodeResult, Signature, Value};
+use crate::model::{DirectionSymbols, ElementSpec, Input, NodeResult, Signature, Value};
 use crate::schedule::{NodeTarget, Program};
 
 /// Names of what surrounds a kernel.
@@ -77,7 +78,8 @@ pub(super) fn emit_node_kernel(
     arguments: &[String],
     documentation: impl FnOnce(&EmittedElementKernel) -> Vec<String>,
 ) -> EmittedElementKernel {
-    let ElementSpec { signature, mode, .. } = &program.kernel.spec;
+    let spec = &program.kernel.spec;
+    let ElementSpec { signature, mode, direction, .. } = spec;
     let scratch = Scratch::new(program);
     let mut function = FunctionWriter::new(program);
     let names: Vec<&str> = arguments.iter().map(String::as_str).collect();
@@ -85,13 +87,20 @@ pub(super) fn emit_node_kernel(
     function.writer.names.reserve(RESERVED);
     function.writer.lanes = Lanes::Elements;
 
-    let arrays = [array(signature)];
+    let mut arrays = vec![array(signature)];
+    if let Some(direction) = direction {
+        function.writer.names.reserve(&[DIRECTION]);
+        arrays.push(direction_array(direction));
+    }
     let phases: Vec<TokenStream> = (0..program.phases.len())
         .map(|k| function.phase(k, &arrays, |function, outputs| node_outputs(function, outputs, scratch)))
         .collect();
     let (outputs, fields) = element_outputs(&mut function, arguments);
     function.counts.element += function.writer.take_counts();
-    let reads = reads_and_count(&mut function, &signature.inputs);
+    let mut reads = reads_and_count(&mut function, &signature.inputs);
+    if let Some(direction) = direction {
+        reads.extend(direction_reads(&mut function, direction));
+    }
     let [per_node, per_pair] = scratch.counts(signature.node_variables());
     let mut emitted = EmittedElementKernel {
         mode: *mode,
@@ -103,7 +112,14 @@ pub(super) fn emit_node_kernel(
     };
     let documentation = documentation(&emitted);
 
-    let name = format_ident!("{}", mode.name());
+    let name = format_ident!("{}", function_name(spec));
+    let (vector, returns, returned) = match direction {
+        Some(_) => {
+            let direction = format_ident!("{DIRECTION}");
+            (Some(quote!(#direction: &[E],)), None, None)
+        }
+        None => (None, Some(quote!(-> Values<E>)), Some(quote!(Values { #(#fields),* }))),
+    };
     let arguments = arguments.iter().map(|name| format_ident!("{name}"));
     let (split, products) = (scratch.split(), scratch.products);
     let (element, of_node) = (signature.variables(), signature.node_variables());
@@ -114,16 +130,17 @@ pub(super) fn emit_node_kernel(
         #[inline(always)]
         pub fn #name<E: Lane>(
             inputs: &Inputs<'_, E>,
+            #vector
             scratch: &mut [E],
             #(#arguments: &mut [E],)*
-        ) -> Values<E> {
+        ) #returns {
             let count = inputs.nodes.len();
             #split
             #(#reads)*
             #(#phases)*
             #(#outputs)*
             #multiply
-            Values { #(#fields),* }
+            #returned
         }
     };
     emitted
@@ -148,7 +165,35 @@ fn array(signature: &Signature) -> NodeArray<'_> {
         let others = (fields.len() < signature.nodes.len()).then(|| quote!(..));
         quote!(Node { #(#fields,)* #others })
     };
-    NodeArray { name: "nodes", symbols, pattern: Box::new(pattern) }
+    NodeArray { name: "nodes", symbols, entry: None, pattern: Box::new(pattern) }
+}
+
+/// A node's entries of the vector of a product.
+fn direction_array(symbols: &DirectionSymbols) -> NodeArray<'_> {
+    let (of_element, of_node) = (symbols.element.len(), symbols.node.len());
+    let (direction, places) = (format_ident!("{DIRECTION}"), (0..of_node).map(|k| of_element + k));
+    let entry = quote!([#(#direction[#places + #of_node * index]),*]);
+    let pattern = |used: &dyn Fn(&str) -> Option<proc_macro2::Ident>| {
+        let entry = |symbol: &String| used(symbol).map_or_else(|| quote!(_), |name| quote!(#name));
+        let entries = symbols.node.iter().map(entry);
+        quote!([#(#entries),*])
+    };
+    let names = symbols.node.iter().map(String::as_str).collect();
+    NodeArray { name: DIRECTION, symbols: names, entry: Some(entry), pattern: Box::new(pattern) }
+}
+
+/// `let`s for the element's own entries of the vector that are used.
+fn direction_reads(
+    function: &mut FunctionWriter<'_, ElementSpec>,
+    symbols: &DirectionSymbols,
+) -> Vec<TokenStream> {
+    let (direction, known) = (format_ident!("{DIRECTION}"), fixed::symbols(function));
+    let used = symbols.element.iter().enumerate().filter_map(|(k, name)| Some((k, *known.get(name)?)));
+    used.map(|(k, expr)| {
+        let name = function.writer.ident(expr);
+        quote!(let #name = #direction[#k];)
+    })
+    .collect()
 }
 
 /// Results of a loop.

@@ -12,6 +12,8 @@ use crate::schedule::{NodeTarget, Phase};
 pub(super) struct NodeArray<'a> {
     pub name: &'static str,
     pub symbols: Vec<&'a str>,
+    /// What stands in the place of `inputs.name[index]`, if it is another array.
+    pub entry: Option<TokenStream>,
     /// The pattern of an entry, from the identifiers of the symbols that are read.
     #[expect(clippy::type_complexity, reason = "a pattern by the names in it")]
     pub pattern: Box<dyn Fn(&dyn Fn(&str) -> Option<Ident>) -> TokenStream + 'a>,
@@ -144,7 +146,10 @@ impl<S> FunctionWriter<'_, S> {
             .map(|array| {
                 let used = |symbol: &str| reads(symbol).then(|| self.ident_of_input(symbol));
                 let (name, pattern) = (format_ident!("{}", array.name), (array.pattern)(&used));
-                quote!(let #pattern = inputs.#name[#counter];)
+                match &array.entry {
+                    Some(entry) => quote!(let #pattern = #entry;),
+                    None => quote!(let #pattern = inputs.#name[#counter];),
+                }
             })
             .collect();
         let node_index = reads(NODE_INDEX).then(|| {

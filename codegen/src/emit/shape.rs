@@ -76,7 +76,7 @@ fn array<'a>(&(name, symbols): &(&'static str, &'a [&'static str])) -> NodeArray
         let names = symbols.iter().map(|name| used(name).unwrap_or_else(|| format_ident!("_")));
         quote!([#(#names),*])
     };
-    NodeArray { name, symbols: symbols.to_vec(), pattern: Box::new(pattern) }
+    NodeArray { name, symbols: symbols.to_vec(), entry: None, pattern: Box::new(pattern) }
 }
 
 impl<S: Clone> FunctionWriter<'_, S> {

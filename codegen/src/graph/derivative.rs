@@ -30,6 +30,11 @@ impl Graph {
         result
     }
 
+    /// Makes `derivative` the derivative of a symbol by another one, which is a direction that all symbols move in.
+    pub(crate) fn set_derivative(&mut self, symbol: ExprId, by: SymbolId, derivative: ExprId) {
+        self.derivatives.insert((symbol, by), derivative);
+    }
+
     /// Makes mixed second derivatives of `expr` by these symbols one expression, whichever symbol comes first.
     pub(crate) fn unite_mixed_derivatives(&mut self, expr: ExprId, symbols: &[SymbolId]) {
         for (k, &later) in symbols.iter().enumerate() {

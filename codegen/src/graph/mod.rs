@@ -436,7 +436,8 @@ impl Graph {
         self.symbols.iter().any(|s| s.name == name)
     }
 
-    fn unique_name(&self, name: &str) -> String {
+    /// The name, with a number where there is a symbol of this name.
+    pub(crate) fn unique_name(&self, name: &str) -> String {
         if !self.has_symbol(name) {
             return name.to_owned();
         }

@@ -46,6 +46,29 @@ pub fn element_derivatives(
     sums.iter().flat_map(|(returned, entries)| of_output(returned, entries, count)).collect()
 }
 
+/// Products of these derivatives with a vector, by the names that [`element_products`](super::element_products) has.
+pub(crate) fn differentiated_products(
+    element: &ElementKernels,
+    inputs: &[&[f64]],
+    nodes: &[&[f64]],
+    direction: &[f64],
+) -> Vec<(String, Vec<f64>)> {
+    let product = |(name, matrix): (String, Vec<f64>)| {
+        let row = |i: usize| -> Vec<f64> {
+            let entry = |j: usize| match name.as_str() {
+                "hessian" => matrix[i.max(j) * (i.max(j) + 1) / 2 + i.min(j)],
+                _ => matrix[i * direction.len() + j],
+            };
+            (0..direction.len()).map(entry).collect()
+        };
+        let rows = if name == "hessian" { direction.len() } else { matrix.len() / direction.len() };
+        let dot = |row: Vec<f64>| row.iter().zip(direction).map(|(x, v)| x * v).sum();
+        (format!("{name}_product"), (0..rows).map(|i| dot(row(i))).collect())
+    };
+    let all = element_derivatives(element, inputs, nodes).into_iter();
+    all.filter(|(name, _)| name != "gradient").map(product).collect()
+}
+
 fn of_output(returned: &Returned, entries: &[Expansion], count: usize) -> Vec<(String, Vec<f64>)> {
     let rows: Vec<f64> = entries.iter().flat_map(|x| x.gradient(count)).collect();
     match (returned.differentiated, entries) {

@@ -1,7 +1,7 @@
 //! All results of an element's kernel.
 
 use super::{Interpreter, NodeInputs};
-use crate::model::{ElementSpec, Kernel, NodeResult};
+use crate::model::{DirectionSymbols, ElementSpec, Kernel, NodeResult};
 
 /// Results of a kernel by name, derivatives after the others, as the emitted kernel has them: sums over points, Jacobians row by row,
 /// the Hessian as its packed lower triangle.
@@ -16,6 +16,30 @@ pub fn element_results(
     kernel: &Kernel<ElementSpec>,
     inputs: &[&[f64]],
     nodes: &[&[f64]],
+) -> Vec<(String, Vec<f64>)> {
+    results(kernel, inputs, nodes, &[])
+}
+
+/// Results of a kernel of products with a vector, in the order of the variables it belongs to, by name.
+///
+/// # Panics
+/// If there is a number too few or too many, or if the kernel is none of products.
+#[must_use]
+pub fn element_products(
+    kernel: &Kernel<ElementSpec>,
+    inputs: &[&[f64]],
+    nodes: &[&[f64]],
+    direction: &[f64],
+) -> Vec<(String, Vec<f64>)> {
+    assert!(kernel.spec.direction.is_some(), "no kernel of products");
+    results(kernel, inputs, nodes, direction)
+}
+
+fn results(
+    kernel: &Kernel<ElementSpec>,
+    inputs: &[&[f64]],
+    nodes: &[&[f64]],
+    direction: &[f64],
 ) -> Vec<(String, Vec<f64>)> {
     let signature = &kernel.spec.signature;
     let once = vec![Vec::new()];
@@ -34,6 +58,9 @@ pub fn element_results(
         for (k, name) in symbols.into_iter().enumerate() {
             numbers.set_node(name, nodes.iter().map(|node| node[k]).collect());
         }
+        if let Some(symbols) = &kernel.spec.direction {
+            set_direction(&mut numbers, symbols, nodes.len(), direction);
+        }
         let results = at_point(kernel, &mut Interpreter::new(&kernel.graph, &numbers), nodes.len());
         if sums.is_empty() {
             sums = results;
@@ -43,6 +70,17 @@ pub fn element_results(
         }
     }
     sums
+}
+
+/// The vector of a product.
+fn set_direction(numbers: &mut NodeInputs, symbols: &DirectionSymbols, count: usize, direction: &[f64]) {
+    let DirectionSymbols { element, node } = symbols;
+    assert_eq!(direction.len(), element.len() + node.len() * count, "entries of the vector");
+    let (of_element, of_nodes) = direction.split_at(element.len());
+    element.iter().zip(of_element).for_each(|(name, &x)| numbers.set_element(name, x));
+    for (k, name) in node.iter().enumerate() {
+        numbers.set_node(name, of_nodes.iter().skip(k).step_by(node.len()).copied().collect());
+    }
 }
 
 fn at_point(
@@ -56,7 +94,10 @@ fn at_point(
     let values = kernel.values.iter().map(|value| {
         let of_element: Vec<f64> = value.components.iter().map(|&x| interpreter.element(x)).collect();
         let name = value.name.to_string();
-        if signature.nodes.is_empty() || signature.values.iter().any(|returned| returned.name == name) {
+        // A product with a Jacobian has no entries by variables.
+        let is_whole = name.ends_with("_jacobian_product");
+        let is_value = signature.values.iter().any(|returned| returned.name == name);
+        if signature.nodes.is_empty() || is_value || is_whole {
             return (name, of_element);
         }
         let (rows, is_hessian) = (of_element.len() / element.max(1), name == "hessian");

@@ -51,7 +51,7 @@ impl ElementKernels {
             with_signature(&signature, kernel.spec.mode, kernel.graph, values, Vec::new())
         });
         let kernels = kernels.collect();
-        Self { signature, kernels }
+        Self { signature, kernels, product: None }
     }
 
     /// The kernels of a fit to nodes of a number that is open: variables are the slave, with a slip the anchor, then the nodes.
@@ -82,7 +82,7 @@ impl ElementKernels {
         for kernel in &mut kernels {
             kernel.spec.signature = signature.clone();
         }
-        Self { signature, kernels }
+        Self { signature, kernels, product: None }
     }
 }
 
@@ -264,7 +264,13 @@ fn with_signature(
 ) -> Kernel<ElementSpec> {
     let (node_results, of_nodes): (Vec<NodeResult>, Vec<ExprId>) = of_nodes.into_iter().unzip();
     Kernel {
-        spec: ElementSpec { signature: signature.clone(), mode, quantities: Vec::new(), node_results },
+        spec: ElementSpec {
+            signature: signature.clone(),
+            mode,
+            quantities: Vec::new(),
+            node_results,
+            direction: None,
+        },
         graph,
         values,
         gradients: Vec::new(),

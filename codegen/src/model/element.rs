@@ -1,6 +1,6 @@
 //! An element of the caller's, from formulas: inputs, quantities, outputs.
 
-use std::cell::RefCell;
+use std::cell::{Cell, RefCell};
 
 pub use super::element_error::ElementError;
 pub use super::element_outputs::{Defined, ElementKernels, ElementSpec, NodeResult};
@@ -32,6 +32,8 @@ pub struct ElementModel<'g> {
     outputs: RefCell<Vec<(Returned, Vec<Expr<'g>>)>>,
     quantities: RefCell<Vec<Defined>>,
     points: RefCell<Points>,
+    /// Whether products are wanted.
+    product: Cell<bool>,
     error: RefCell<Option<ElementError>>,
 }
 
@@ -69,6 +71,7 @@ impl<'g> ElementModel<'g> {
             outputs: RefCell::new(Vec::new()),
             quantities: RefCell::new(Vec::new()),
             points: RefCell::new(Points { symbols: Vec::new(), rows: Vec::new() }),
+            product: Cell::new(false),
             error: RefCell::new(None),
         }
     }
@@ -404,6 +407,12 @@ impl<'g> ElementModel<'g> {
         self.output(name, value, Differentiated::Not);
     }
 
+    /// Asks for products with a vector too: of the energy's Hessian, and of each residual's Jacobian. A kernel of its own has them, in a
+    /// few times the operations of the gradient, and never has the matrices. Solvers without matrices need nothing else.
+    pub fn product(&self) {
+        self.product.set(true);
+    }
+
     fn input<Q: Quantity<'g>>(&self, name: &str, role: Role) -> Q {
         let (quantity, symbols) = self.declared(name, Scope::Element);
         let (name, doc, dimensions) = (name.to_owned(), String::new(), Q::dimensions());
@@ -485,7 +494,7 @@ impl<'g> ElementModel<'g> {
         let (name, doc) = (name.to_owned(), self.doc.into_inner());
         let signature = Signature { name, doc, inputs, nodes, values, points };
         let outputs = Outputs { sheet: self.sheet, outputs, implicit: self.implicit.into_inner() };
-        outputs.finish(signature, self.quantities.into_inner())
+        outputs.finish(signature, self.quantities.into_inner(), self.product.get())
     }
 }
 

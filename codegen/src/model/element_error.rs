@@ -27,6 +27,9 @@ pub enum ElementError {
     /// Nothing is computed.
     #[error("there is no output; state one by `energy`, `residual` or `value`")]
     NoOutput,
+    /// Products are asked for, but nothing is differentiated.
+    #[error("there are no derivatives to be multiplied; state an output by `energy` or `residual`")]
+    NoProduct,
     /// A differentiated output is the same whatever the variables are.
     #[error("`{output}` does not depend on any variable")]
     Constant {

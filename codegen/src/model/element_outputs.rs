@@ -3,11 +3,12 @@
 use super::element::ElementModel;
 use super::element_error::ElementError;
 use super::kernel::{Kernel, Mode, Value};
-use super::signature::{Differentiated, Input, Returned, Role, Signature};
+use super::signature::{Differentiated, DirectionSymbols, Input, Returned, Role, Signature};
 use crate::expr::{Expr, Sheet, ids};
 use crate::graph::{ExprId, Graph, NODE_COUNT, NODE_INDEX, Op, RootId, Scope};
 use crate::structure::{
-    Derivatives, Implicit, NoSum, NodeDerivatives, NodeVectors, node_derivatives, total_derivatives,
+    Derivatives, Direction, Implicit, NoSum, NodeDerivatives, NodeVectors, hessian_product, node_derivatives,
+    total_derivatives,
 };
 
 /// What identifies a kernel of an element.
@@ -21,6 +22,8 @@ pub struct ElementSpec {
     pub quantities: Vec<Defined>,
     /// What the kernel's values of nodes are; none of an element of fixed size.
     pub node_results: Vec<NodeResult>,
+    /// Of a kernel whose results are products of derivatives with a vector: the vector.
+    pub direction: Option<DirectionSymbols>,
 }
 
 /// What a number is that a kernel has for each node. With V variables of the element, variable a of node i is number V + p i + a of
@@ -29,7 +32,7 @@ pub struct ElementSpec {
 pub enum NodeResult {
     /// A first derivative by a variable of the node.
     First {
-        /// The argument it is written to: `gradient`, or a Jacobian.
+        /// The argument it is written to: `gradient`, a Jacobian, or the Hessian's product with a vector.
         argument: String,
         /// Row of the Jacobian.
         row: usize,
@@ -67,6 +70,8 @@ pub struct ElementKernels {
     pub signature: Signature,
     /// By mode, fewest derivatives first, as far as there are derivatives.
     pub kernels: Vec<Kernel<ElementSpec>>,
+    /// Products of the derivatives with a vector, if they were asked for.
+    pub product: Option<Kernel<ElementSpec>>,
 }
 
 /// An intermediate quantity.
@@ -91,6 +96,14 @@ pub(super) struct Finished {
     signature: Signature,
     quantities: Vec<Defined>,
     by_mode: Vec<Results>,
+    product: Option<Product>,
+}
+
+/// Results of the products' kernel, and the graph without them, which the other kernels have.
+struct Product {
+    results: Results,
+    direction: DirectionSymbols,
+    before: Graph,
 }
 
 /// Those of a kernel.
@@ -110,8 +123,13 @@ struct Variables<'g> {
     of_node: Option<Vec<Expr<'g>>>,
 }
 
-impl Outputs<'_> {
-    pub fn finish(self, signature: Signature, quantities: Vec<Defined>) -> Result<Finished, ElementError> {
+impl<'g> Outputs<'g> {
+    pub fn finish(
+        self,
+        signature: Signature,
+        quantities: Vec<Defined>,
+        with_product: bool,
+    ) -> Result<Finished, ElementError> {
         let inputs = signature.inputs.iter().chain(&signature.nodes);
         let mut declared: Vec<&str> = inputs.flat_map(|input| &input.symbols).map(String::as_str).collect();
         declared.extend(signature.points.symbols.iter().map(String::as_str));
@@ -127,11 +145,84 @@ impl Outputs<'_> {
             .iter()
             .map(|&mode| self.results(&variables, mode))
             .collect::<Result<_, _>>()?;
-        Ok(Finished { signature, quantities, by_mode })
+        let product = with_product.then(|| self.product(&variables)).transpose()?;
+        Ok(Finished { signature, quantities, by_mode, product })
+    }
+
+    /// Products of derivatives with a vector.
+    fn product(&self, variables: &Variables<'g>) -> Result<Product, ElementError> {
+        let before = self.sheet.graph().clone();
+        let direction = DirectionSymbols {
+            element: self.unique("direction", variables.symbols.len()),
+            node: self.unique("node_direction", variables.of_node.as_ref().map_or(0, Vec::len)),
+        };
+        let entries = |names: &[String], scope| -> Vec<Expr<'g>> {
+            names.iter().map(|name| self.sheet.input(name, scope)).collect()
+        };
+        let along = entries(&direction.element, Scope::Element);
+        let along_of_node = entries(&direction.node, Scope::Node);
+        let rates = variables.symbols.iter().chain(variables.of_node.iter().flatten()).copied();
+        let rates = || rates.clone().zip(along.iter().chain(&along_of_node).copied());
+
+        let mut results = Results { mode: Mode::Value, values: Vec::new(), node_values: Vec::new() };
+        for (returned, outputs) in &self.outputs {
+            let Some(name) = returned.product() else { continue };
+            if self.outputs.iter().any(|(other, _)| other.name == name) {
+                return Err(ElementError::Duplicate { name });
+            }
+            match (returned.differentiated, &variables.of_node) {
+                (Differentiated::Twice, None) => {
+                    let (sheet, by) = (self.sheet, &variables.symbols);
+                    let product = hessian_product(sheet, outputs[0], by, &along, &variables.vectors);
+                    results.values.push(value(&name, true, &product));
+                }
+                (Differentiated::Twice, Some(_)) => {
+                    let of = self.by_nodes(returned, outputs[0], variables, false)?;
+                    let mut direction = Direction::new(self.sheet, rates());
+                    let mut rate = |x: &Expr<'g>| direction.derivative(*x);
+                    let of_element: Vec<Expr<'g>> = of.element.iter().map(&mut rate).collect();
+                    results.values.push(value(&name, true, &of_element));
+                    for (component, x) in of.node.iter().enumerate() {
+                        let result = NodeResult::First { argument: name.clone(), row: 0, component };
+                        results.node_values.push((result, rate(x).id()));
+                    }
+                }
+                _ => {
+                    let mut direction = Direction::new(self.sheet, rates());
+                    let product: Vec<Expr<'g>> = outputs.iter().map(|&x| direction.derivative(x)).collect();
+                    results.values.push(value(&name, true, &product));
+                }
+            }
+        }
+        if results.values.is_empty() {
+            return Err(ElementError::NoProduct);
+        }
+        Ok(Product { results, direction, before })
+    }
+
+    /// Names of new symbols.
+    fn unique(&self, name: &str, count: usize) -> Vec<String> {
+        let graph = self.sheet.graph();
+        (1..=count).map(|k| graph.unique_name(&format!("{name}_{k}"))).collect()
+    }
+
+    fn by_nodes(
+        &self,
+        returned: &Returned,
+        x: Expr<'g>,
+        variables: &Variables<'g>,
+        with_second: bool,
+    ) -> Result<NodeDerivatives<'g>, ElementError> {
+        let of_node = variables.of_node.as_deref().unwrap_or_default();
+        let by = (&variables.symbols[..], of_node);
+        let derivatives = node_derivatives(x, by, &self.implicit, with_second);
+        derivatives.map_err(|NoSum { symbol }| ElementError::NoSum {
+            quantity: symbol.unwrap_or_else(|| returned.name.clone()),
+        })
     }
 
     /// Results of a mode: values, and the derivatives that belong to it.
-    fn results(&self, variables: &Variables<'_>, mode: Mode) -> Result<Results, ElementError> {
+    fn results(&self, variables: &Variables<'g>, mode: Mode) -> Result<Results, ElementError> {
         let value = |(returned, entries): &(Returned, Vec<Expr<'_>>)| {
             value(&returned.name, !returned.dimensions.is_empty(), entries)
         };
@@ -144,14 +235,9 @@ impl Outputs<'_> {
             let with_hessian = returned.differentiated == Differentiated::Twice && mode == Mode::Hessian;
             match &variables.of_node {
                 None => results.add_fixed(returned, entries, variables, with_hessian)?,
-                Some(of_node) => {
-                    let derivatives = entries.iter().map(|&x| {
-                        let by = (&variables.symbols[..], &of_node[..]);
-                        let derivatives = node_derivatives(x, by, &self.implicit, with_hessian);
-                        derivatives.map_err(|NoSum { symbol }| ElementError::NoSum {
-                            quantity: symbol.unwrap_or_else(|| returned.name.clone()),
-                        })
-                    });
+                Some(_) => {
+                    let derivatives =
+                        entries.iter().map(|&x| self.by_nodes(returned, x, variables, with_hessian));
                     results.add_with_nodes(
                         returned,
                         &derivatives.collect::<Result<Vec<_>, _>>()?,
@@ -331,15 +417,16 @@ impl ElementKernels {
             formulas(&model);
             model.finish(name)
         });
-        let Finished { signature, quantities, by_mode } = finished?;
-        let kernel = |Results { mode, values, node_values }| Kernel {
+        let Finished { signature, quantities, by_mode, product } = finished?;
+        let kernel = |Results { mode, values, node_values }, direction, graph: Graph| Kernel {
             spec: ElementSpec {
                 signature: signature.clone(),
                 mode,
                 quantities: quantities.clone(),
                 node_results: node_values.iter().map(|(result, _)| result.clone()).collect(),
+                direction,
             },
-            graph: graph.clone(),
+            graph,
             values,
             gradients: Vec::new(),
             hessians: Vec::new(),
@@ -347,14 +434,23 @@ impl ElementKernels {
             combinations: Vec::new(),
             equations: Vec::new(),
         };
-        let kernels: Vec<Kernel<ElementSpec>> = by_mode.into_iter().map(kernel).collect();
-        for root in kernels.iter().flat_map(Kernel::roots) {
-            let root = graph.root(root);
+        let (product, graph) = match product {
+            Some(Product { results, direction, before }) => {
+                (Some(kernel(results, Some(direction), graph)), before)
+            }
+            None => (None, graph),
+        };
+        let kernels: Vec<Kernel<ElementSpec>> =
+            by_mode.into_iter().map(|results| kernel(results, None, graph.clone())).collect();
+        let roots = kernels.iter().chain(&product).flat_map(|kernel| {
+            kernel.roots().into_iter().map(|root| kernel.graph.root(root)).collect::<Vec<_>>()
+        });
+        for root in roots {
             if !root.iteration.takes(root.unknowns.len()) {
                 let (root, equations) = (root.name.clone(), root.unknowns.len());
                 return Err(ElementError::Root { root, equations });
             }
         }
-        Ok(Self { signature, kernels })
+        Ok(Self { signature, kernels, product })
     }
 }

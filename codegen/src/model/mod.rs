@@ -28,6 +28,6 @@ pub use facet_shape::FacetShape;
 pub(crate) use kernel::CHECKSUM;
 pub use kernel::{FrameRule, Kernel, KernelSpec, Mode, Output, Value};
 pub(crate) use material::MATERIAL_INPUTS;
-pub use signature::{Differentiated, Input, Points, Quantity, Returned, Role, Signature};
+pub use signature::{Differentiated, DirectionSymbols, Input, Points, Quantity, Returned, Role, Signature};
 pub(crate) use weight::DOMAIN_RATIO;
 pub use weight::{Weight, WeightError, WeightNote};

@@ -50,6 +50,26 @@ pub struct Returned {
     pub differentiated: Differentiated,
 }
 
+impl Returned {
+    /// Name of what its derivatives times a vector are written to.
+    pub(crate) fn product(&self) -> Option<String> {
+        match self.differentiated {
+            Differentiated::Not => None,
+            Differentiated::Once => Some(format!("{}_jacobian_product", self.name)),
+            Differentiated::Twice => Some("hessian_product".to_owned()),
+        }
+    }
+}
+
+/// The vector of a product: names of the symbols of its entries, in the order of the variables they belong to.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct DirectionSymbols {
+    /// By variables of the element.
+    pub element: Vec<String>,
+    /// By variables of a node.
+    pub node: Vec<String>,
+}
+
 /// Quadrature points: numbers that differ between them. Outputs are sums over the points.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Points {

@@ -5,8 +5,9 @@
 //! any more, the function is one of differences.
 
 use super::chain::Derivatives;
+use super::direction::Direction;
 use super::intermediates::{Written, as_bound, with_found};
-use crate::expr::{Expr, Sheet, total};
+use crate::expr::{Expr, Sheet, ids, total};
 use crate::graph::ExprId;
 
 /// Variables that are vectors of several nodes, one after another.
@@ -30,10 +31,8 @@ pub fn total_derivatives<'g>(
     with_hessian: bool,
 ) -> Derivatives<'g> {
     let ways = [as_bound(&[function], variables), with_found(sheet, &[function], variables)];
-    let invariant: Vec<NodeVectors> =
-        nodes.iter().copied().filter(|group| is_invariant(&ways[0], variables, group)).collect();
-    let held = |place: usize| invariant.iter().any(|group| group.of_first_node(place));
-    let free: Vec<usize> = (0..variables.len()).filter(|&place| !held(place)).collect();
+    let invariant = invariant(&ways[0], variables, nodes);
+    let free = free(variables.len(), &invariant);
     let cheapest = ways
         .iter()
         .flat_map(|way| {
@@ -51,6 +50,48 @@ pub fn total_derivatives<'g>(
             sheet.graph().operations(&roots)
         });
     cheapest.expect("there is a first way")
+}
+
+/// The product of the Hessian with a direction, without the Hessian.
+///
+/// It is the rate of the gradient in the direction, forward over reverse, and the gradient of the function's rate, reverse over forward.
+/// What takes fewer operations depends on the function.
+#[must_use]
+pub fn hessian_product<'g>(
+    sheet: &'g Sheet,
+    function: Expr<'g>,
+    variables: &[Expr<'g>],
+    direction: &[Expr<'g>],
+    nodes: &[NodeVectors],
+) -> Vec<Expr<'g>> {
+    let rates = || variables.iter().copied().zip(direction.iter().copied());
+    let ways = [as_bound(&[function], variables), with_found(sheet, &[function], variables)];
+    let invariant = invariant(&ways[0], variables, nodes);
+    let free = free(variables.len(), &invariant);
+    let forward_over_reverse = ways.iter().map(|way| {
+        let chain = way.chain.with_variables(free.iter().map(|&place| variables[place]).collect());
+        let gradient = chain.derivatives(way.outputs[0], false, 0).gradient;
+        let mut along = Direction::new(sheet, rates());
+        let rates = gradient.into_iter().map(|x| along.derivative(x)).collect();
+        let derivatives = Derivatives { gradient: rates, hessian: Vec::new() };
+        // The sum of the gradient's rows vanishes whatever the positions are, so that of their rates does.
+        complete(sheet, &derivatives, &free, variables.len(), &invariant).gradient
+    });
+    let forward_over_reverse: Vec<_> = forward_over_reverse.collect();
+    let rate = Direction::new(sheet, rates()).derivative(function);
+    let reverse_over_forward = total_derivatives(sheet, rate, variables, nodes, false).gradient;
+    let products = forward_over_reverse.into_iter().chain([reverse_over_forward]);
+    products.min_by_key(|product| sheet.graph().operations(&ids(product))).expect("there is a first way")
+}
+
+/// The groups that the function does not depend on the place of.
+fn invariant<'g>(way: &Written<'g>, variables: &[Expr<'g>], nodes: &[NodeVectors]) -> Vec<NodeVectors> {
+    nodes.iter().copied().filter(|group| is_invariant(way, variables, group)).collect()
+}
+
+/// Places of variables whose derivatives do not follow from those of others.
+fn free(count: usize, invariant: &[NodeVectors]) -> Vec<usize> {
+    (0..count).filter(|&place| !invariant.iter().any(|group| group.of_first_node(place))).collect()
 }
 
 impl NodeVectors {

@@ -4,6 +4,7 @@
 mod chain;
 mod combination;
 mod coordinates;
+mod direction;
 mod elimination;
 mod factors;
 mod fit_derivatives;
@@ -19,10 +20,11 @@ mod point;
 
 pub use chain::{Chain, Derivatives, Intermediate};
 pub use coordinates::CoordinateMap;
+pub use direction::Direction;
 pub use elimination::Elimination;
 pub use follower::Follower;
 pub use intermediates::{Written, as_bound, with_found};
-pub use invariance::{NodeVectors, total_derivatives};
+pub use invariance::{NodeVectors, hessian_product, total_derivatives};
 pub use linear_images::{LinearImages, SecondDerivative};
 pub use low_rank::{LowRankForm, LowRankTerm, PointForm};
 pub use node_problem::{Block, Functional, Gradient, Hessian, NodeProblem, PointBlocks};

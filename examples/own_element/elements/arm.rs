@@ -20,6 +20,7 @@ pub fn seven_axes(m: &ElementModel<'_>) {
     }
     m.residual("position", tip);
     m.energy(direction.dot(tip));
+    m.product();
     m.describe("direction", "Weights of the components that the Hessian is of.");
     m.describe("position", "The tip, metres.");
 }

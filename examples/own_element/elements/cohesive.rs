@@ -11,4 +11,5 @@ pub fn exponential(m: &ElementModel<'_>) {
     let damage = m.define("damage", (1.0 - (-opening.norm() / length).exp()).max(before));
     m.residual("traction", (1.0 - damage) * stiffness * opening);
     m.value("damage", damage);
+    m.product();
 }

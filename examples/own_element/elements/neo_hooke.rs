@@ -40,6 +40,7 @@ pub fn tet4(m: &ElementModel<'_>) {
     let (x, X): ([Vec3<'_>; 4], [Vec3<'_>; 4]) = (m.variable("x"), m.parameter("X"));
     let [d, D] = [x, X].map(|x| Mat3::from_columns([1, 2, 3].map(|k| x[k] - x[0])));
     m.energy(D.determinant() / 6.0 * density(m, d * D.inverse()));
+    m.product();
 }
 
 /// ∫ W dV over points ξ with weights, of nodes with these shape functions of ξ.
@@ -54,6 +55,7 @@ fn isoparametric<'g, const NODES: usize>(
     let N = shape(xi);
     let [d, D] = [x, X].map(|x| Mat3::from_fn(|i, j| total((0..NODES).map(|k| x[k][i] * N[k].by(xi[j])))));
     m.energy(weight * D.determinant() * density(m, d * D.inverse()));
+    m.product();
 }
 
 /// Ten nodes, four points.

@@ -22,6 +22,7 @@ pub fn moving_least_squares<'g>(m: &ElementModel<'g>) {
     let fit = m.stationary::<6>("alpha", |alpha| 0.5 * w * (z - dot(p, alpha.0)).powi(2));
     let height = m.define("height", -fit.unknowns[0]);
     m.energy(0.5 * stiffness * height.min(0.0).powi(2));
+    m.product();
 
     m.value("height", height);
     m.value("pivot_ratio", fit.pivot_ratio);
@@ -41,4 +42,5 @@ pub fn average<'g>(m: &ElementModel<'g>) {
     let gap = m.define("gap_vector", x - X.map(|X| (w * X).sum() / w.sum()));
     m.residual("gap", gap);
     m.energy(gap.dot(gap) / (2.0 * compliance));
+    m.product();
 }

@@ -6,6 +6,8 @@
 use rustc_hash::FxHashMap;
 use std::fmt::Write as _;
 
+use super::super::derivatives::DIRECTION;
+use super::super::element::function_name;
 use super::super::node_element::Scratch;
 use super::nodes::{
     Width, derivative_place, is_empty, node_count, node_index, node_loads, node_reads, node_stores, results,
@@ -39,11 +41,15 @@ struct Piece {
 
 /// Both functions of a batch: one for elements side by side, one for all.
 pub(super) fn functions(program: &Program<ElementSpec>, derivatives: &[String], scratch: &str) -> String {
-    let ElementSpec { signature, mode, .. } = &program.kernel.spec;
-    let name = format!("{}_{}", signature.name, mode.name());
+    let spec = &program.kernel.spec;
+    let name = format!("{}_{}", spec.signature.name, function_name(spec));
+    let (second, entries) = match spec.direction {
+        Some(_) => (format!("const double *restrict {DIRECTION}"), DIRECTION),
+        None => ("double *restrict values".to_owned(), "values"),
+    };
     let parameters: String = derivatives.iter().map(|name| format!(", double *restrict {name}")).collect();
     let arrays = format!(
-        "const double *restrict inputs, const double *restrict nodes, double *restrict values{parameters}, double *restrict scratch"
+        "const double *restrict inputs, const double *restrict nodes, {second}{parameters}, double *restrict scratch"
     );
     let mut text = format!(
         "\n/* Elements side by side, at most DIFFUSE_CONTACT_LANES: part of the batch. */\n\
@@ -55,7 +61,7 @@ pub(super) fn functions(program: &Program<ElementSpec>, derivatives: &[String], 
         "}}\n\n/* Many elements with as many nodes each: {}. Entry i of element k is at i * elements + k of each array; entries of inputs, \
          nodes and values are in the order of the structs, node by node. scratch: DIFFUSE_CONTACT_LANES * {scratch} numbers for each \
          node. */",
-        mode.name()
+        function_name(spec)
     );
     let _ = writeln!(
         text,
@@ -68,7 +74,7 @@ pub(super) fn functions(program: &Program<ElementSpec>, derivatives: &[String], 
     let shifted: String = derivatives.iter().map(|name| format!(", {name} + start")).collect();
     let _ = writeln!(
         text,
-        "        {name}_lanes(lanes, elements, count, inputs + start, nodes + start, values + start{shifted}, scratch);\n    }}\n}}"
+        "        {name}_lanes(lanes, elements, count, inputs + start, nodes + start, {entries} + start{shifted}, scratch);\n    }}\n}}"
     );
     text
 }
@@ -80,7 +86,8 @@ fn body(program: &Program<ElementSpec>, derivatives: &[String]) -> String {
     let input = |_: &str, _: &str, number: usize| Width::Lanes.entry("inputs", &number.to_string());
     let value = |_: &str, _: &str, number: usize| Width::Lanes.entry("values", &number.to_string());
     let derivative = |name: &str, k: usize| derivative_place(Width::Lanes, name, k, sizes);
-    let access = Access { input: &input, value: &value, derivative: &derivative };
+    let direction = |k: usize| Width::Lanes.entry(DIRECTION, &k.to_string());
+    let access = Access { input: &input, direction: &direction, value: &value, derivative: &derivative };
     let mut lanes = LanesWriter::new(writer(program, derivatives, &access));
     let scratch = Scratch::new(program);
 
@@ -129,10 +136,14 @@ struct LanesWriter<'a> {
 
 impl<'a> LanesWriter<'a> {
     fn new(writer: Writer<'a>) -> Self {
-        let signature = &writer.program.kernel.spec.signature;
-        let inputs = numbered(signature)
-            .filter_map(|(symbol, number)| {
-                let place = Width::Lanes.entry("inputs", &number.to_string());
+        let spec = &writer.program.kernel.spec;
+        let direction = spec.direction.iter().flat_map(|symbols| symbols.element.iter().enumerate());
+        let direction = direction.map(|(number, symbol)| (DIRECTION, symbol, number));
+        let inputs = numbered(&spec.signature)
+            .map(|(symbol, number)| ("inputs", symbol, number))
+            .chain(direction)
+            .filter_map(|(array, symbol, number)| {
+                let place = Width::Lanes.entry(array, &number.to_string());
                 writer.symbol(symbol).map(|expr| (expr, place))
             })
             .collect();

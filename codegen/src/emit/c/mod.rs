@@ -12,8 +12,8 @@ mod writer;
 
 use std::fmt::Write as _;
 
-use super::derivatives::arguments;
-use super::element::title;
+use super::derivatives::{DIRECTION, arguments, arguments_of};
+use super::element::{function_name, title};
 use super::fixed::{Argument, split};
 use crate::graph::Iteration;
 use crate::lower::lower;
@@ -57,7 +57,7 @@ pub fn emit_c(elements: &[ElementKernels]) -> String {
     let mut text = HEADER.to_owned();
     let iterations: Vec<Iteration> = elements
         .iter()
-        .flat_map(|element| &element.kernels)
+        .flat_map(|element| element.kernels.iter().chain(&element.product))
         .flat_map(|kernel| kernel.roots().into_iter().map(|root| kernel.graph.root(root).iteration))
         .collect();
     if !iterations.is_empty() {
@@ -72,7 +72,8 @@ pub fn emit_c(elements: &[ElementKernels]) -> String {
     for element in elements {
         if element.signature.nodes.is_empty() {
             text.push_str(&types(element));
-            element.kernels.iter().for_each(|kernel| text.push_str(&kernel_text(kernel)));
+            let kernels = element.kernels.iter().chain(&element.product);
+            kernels.for_each(|kernel| text.push_str(&kernel_text(kernel)));
         } else {
             text.push_str(&nodes::element(element));
         }
@@ -140,16 +141,21 @@ fn types(element: &ElementKernels) -> String {
 /// Both functions of a kernel.
 fn kernel_text(kernel: &Kernel<ElementSpec>) -> String {
     let program = Program::new(lower(kernel));
-    let ElementSpec { signature, mode, .. } = &program.kernel.spec;
-    let (name, mode_name) = (&signature.name, mode.name());
-    let derivatives = arguments(signature, *mode);
+    let spec = &program.kernel.spec;
+    let (signature, vector) = (&spec.signature, spec.direction.as_ref());
+    let (name, mode_name) = (&signature.name, function_name(spec));
+    let derivatives = arguments_of(spec);
     let operations = super::emit_element_kernel(kernel).counts.total();
 
     let mut text = format!("\n/* One element: {mode_name}. Operations: {operations}. */\n");
     let parameters = derivatives.iter().map(|(name, length)| format!(", double {name}[{length}]"));
+    let second = vector.map_or_else(
+        || format!("{name}_values *values"),
+        |symbols| format!("const double {DIRECTION}[{}]", symbols.element.len()),
+    );
     let _ = writeln!(
         text,
-        "static inline void {name}_{mode_name}(const {name}_inputs *inputs, {name}_values *values{}) {{",
+        "static inline void {name}_{mode_name}(const {name}_inputs *inputs, {second}{}) {{",
         parameters.collect::<String>()
     );
     text += &single(&program, &derivatives);
@@ -161,9 +167,11 @@ fn kernel_text(kernel: &Kernel<ElementSpec>) -> String {
          the order of the structs. */"
     );
     let parameters = derivatives.iter().map(|(name, _)| format!(", double *restrict {name}"));
+    let second = vector
+        .map_or("double *restrict values".to_owned(), |_| format!("const double *restrict {DIRECTION}"));
     let _ = writeln!(
         text,
-        "static inline void {name}_{mode_name}_batch(size_t count, const double *restrict inputs, double *restrict values{}) {{",
+        "static inline void {name}_{mode_name}_batch(size_t count, const double *restrict inputs, {second}{}) {{",
         parameters.collect::<String>()
     );
     text += &batch(&program, &derivatives);
@@ -175,7 +183,8 @@ fn single(program: &Program<ElementSpec>, derivatives: &[Argument]) -> String {
     let input = |name: &str, place: &str, _: usize| format!("inputs->{}{place}", field(name));
     let value = |name: &str, place: &str, _: usize| format!("values->{}{place}", field(name));
     let derivative = |name: &str, k: usize| format!("{name}[{k}]");
-    let access = Access { input: &input, value: &value, derivative: &derivative };
+    let direction = |k: usize| format!("{DIRECTION}[{k}]");
+    let access = Access { input: &input, direction: &direction, value: &value, derivative: &derivative };
     let points = &program.kernel.spec.signature.points;
     let mut writer = Writer::new(program, derivatives, &access);
     if points.rows.is_empty() {
@@ -196,7 +205,8 @@ fn batch(program: &Program<ElementSpec>, derivatives: &[Argument]) -> String {
     let input = |_: &str, _: &str, number: usize| format!("inputs[{number} * count + k]");
     let value = |_: &str, _: &str, number: usize| format!("values[{number} * count + k]");
     let derivative = |name: &str, number: usize| format!("{name}[{number} * count + k]");
-    let access = Access { input: &input, value: &value, derivative: &derivative };
+    let direction = |number: usize| format!("{DIRECTION}[{number} * count + k]");
+    let access = Access { input: &input, direction: &direction, value: &value, derivative: &derivative };
     let points = &program.kernel.spec.signature.points;
     let mut writer = Writer::new(program, derivatives, &access);
     let all: Vec<Statement> = statements(program).collect();

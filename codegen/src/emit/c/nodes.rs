@@ -2,14 +2,14 @@
 
 use std::fmt::Write as _;
 
-use super::super::derivatives::Derivative;
-use super::super::element::title;
+use super::super::derivatives::{DIRECTION, Derivative};
+use super::super::element::{function_name, title};
 use super::super::node_element::Scratch;
 use super::writer::{Access, Writer};
 use super::{field, inputs_of, lanes, places, structure, values_of};
 use crate::graph::{ExprId, NODE_COUNT, NODE_INDEX, Op};
 use crate::lower::lower;
-use crate::model::{ElementKernels, ElementSpec, Kernel, Mode, NodeResult};
+use crate::model::{DirectionSymbols, ElementKernels, ElementSpec, Kernel, NodeResult};
 use crate::schedule::{NodeLoop, NodeTarget, Program};
 
 /// Names of the surrounding code.
@@ -67,32 +67,39 @@ pub(super) fn element(element: &ElementKernels) -> String {
     let mut sizes =
         vec![format!("{upper}_VARIABLES = {of_element}"), format!("{upper}_NODE_VARIABLES = {of_node}")];
     let programs: Vec<Program<ElementSpec>> =
-        element.kernels.iter().map(|kernel| Program::new(lower(kernel))).collect();
+        kernels(element).map(|kernel| Program::new(lower(kernel))).collect();
     sizes.extend(programs.iter().map(|program| {
-        let mode = program.kernel.spec.mode.name().to_uppercase();
-        format!("{upper}_{mode}_SCRATCH = {}", Scratch::new(program).per_node())
+        format!("{} = {}", scratch_of(&program.kernel.spec), Scratch::new(program).per_node())
     }));
     let _ = writeln!(text, "enum {{ {} }};", sizes.join(", "));
-    for (program, kernel) in programs.iter().zip(&element.kernels) {
+    for (program, kernel) in programs.iter().zip(kernels(element)) {
         text += &kernel_text(program, kernel);
     }
     text
 }
 
+fn kernels(element: &ElementKernels) -> impl Iterator<Item = &Kernel<ElementSpec>> {
+    element.kernels.iter().chain(&element.product)
+}
+
 /// Name of the scratch's size.
-fn scratch_of(upper: &str, mode: Mode) -> String {
-    format!("{upper}_{}_SCRATCH", mode.name().to_uppercase())
+fn scratch_of(spec: &ElementSpec) -> String {
+    format!("{}_{}_SCRATCH", spec.signature.name, function_name(spec)).to_uppercase()
 }
 
 /// All functions of a kernel.
 fn kernel_text(program: &Program<ElementSpec>, kernel: &Kernel<ElementSpec>) -> String {
-    let ElementSpec { signature, mode, .. } = &program.kernel.spec;
-    let (name, mode_name, upper) = (&signature.name, mode.name(), signature.name.to_uppercase());
-    let derivatives = Derivative::names(signature, *mode);
+    let spec = &program.kernel.spec;
+    let (name, mode_name) = (&spec.signature.name, function_name(spec));
+    let derivatives = Derivative::names(spec);
     let parameters: String = derivatives.iter().map(|name| format!(", double *{name}")).collect();
     let emitted = super::super::emit_element_kernel(kernel);
     let [per_node, per_pair] = emitted.per_node.map(|counts| counts.total());
-    let scratch = scratch_of(&upper, *mode);
+    let scratch = scratch_of(spec);
+    let second = match spec.direction {
+        Some(_) => format!("const double *{DIRECTION}"),
+        None => format!("{name}_values *values"),
+    };
     let mut text = format!(
         "\n/* One element: {mode_name}. Variables are those of the element, then those of the nodes, node by node; Hessians are packed \
          lower triangles. scratch: {scratch} numbers for each node. Operations: {} + {per_node} n + {per_pair} n(n-1)/2. */\n",
@@ -100,13 +107,13 @@ fn kernel_text(program: &Program<ElementSpec>, kernel: &Kernel<ElementSpec>) -> 
     );
     let _ = writeln!(
         text,
-        "static inline void {name}_{mode_name}(size_t count, const {name}_inputs *inputs, const {name}_node *nodes, {name}_values *values\
+        "static inline void {name}_{mode_name}(size_t count, const {name}_inputs *inputs, const {name}_node *nodes, {second}\
          {parameters}, double *scratch) {{"
     );
     text += &body(program, &derivatives);
     text += "}\n";
 
-    text + &lanes::functions(program, &derivatives, scratch_of(&upper, *mode).as_str())
+    text + &lanes::functions(program, &derivatives, &scratch)
 }
 
 /// The body for one element.
@@ -116,7 +123,8 @@ fn body(program: &Program<ElementSpec>, derivatives: &[String]) -> String {
     let value = |name: &str, place: &str, _: usize| format!("values->{}{place}", field(name));
     let (of_element, of_node) = (signature.variables(), signature.node_variables());
     let derivative = |name: &str, k: usize| derivative_place(Width::One, name, k, (of_element, of_node));
-    let access = Access { input: &input, value: &value, derivative: &derivative };
+    let direction = |k: usize| Width::One.entry(DIRECTION, &k.to_string());
+    let access = Access { input: &input, direction: &direction, value: &value, derivative: &derivative };
     let mut writer = writer(program, derivatives, &access);
     let scratch = Scratch::new(program);
 
@@ -225,6 +233,16 @@ pub(super) fn node_reads(writer: &mut Writer<'_>, nodes: &NodeLoop, width: Width
                 let _ = writeln!(text, "{indent}const double {} = {of};", writer.name(expr));
             }
             number += 1;
+        }
+    }
+    let Some(DirectionSymbols { element, node }) = &program.kernel.spec.direction else { return text };
+    for (k, symbol) in node.iter().enumerate() {
+        if program.loop_reads(nodes, symbol)
+            && let Some(expr) = program.node_input(symbol)
+        {
+            let of = width.entry(DIRECTION, &format!("{} + {} * node", element.len() + k, node.len()));
+            writer.trace.defined.push(expr);
+            let _ = writeln!(text, "{indent}const double {} = {of};", writer.name(expr));
         }
     }
     text

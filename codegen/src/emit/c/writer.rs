@@ -2,6 +2,7 @@
 
 use std::fmt::Write as _;
 
+use super::super::derivatives::DIRECTION;
 use super::super::expression::Strength;
 use super::super::fixed::Argument;
 use super::super::names::Names;
@@ -13,6 +14,8 @@ use crate::schedule::{Layout, Program, Statement};
 /// How inputs and outputs are written, from name, place and number.
 pub(super) struct Access<'a> {
     pub input: &'a dyn Fn(&str, &str, usize) -> String,
+    /// An entry of a product's vector, from its number.
+    pub direction: &'a dyn Fn(usize) -> String,
     pub value: &'a dyn Fn(&str, &str, usize) -> String,
     pub derivative: &'a dyn Fn(&str, usize) -> String,
 }
@@ -41,6 +44,9 @@ impl<'a> Writer<'a> {
         let mut names = Names::default();
         names.reserve(&TAKEN);
         names.reserve(&derivatives.iter().map(|(name, _)| name.as_str()).collect::<Vec<_>>());
+        if program.kernel.spec.direction.is_some() {
+            names.reserve(&[DIRECTION]);
+        }
         for &root in program.roots.keys() {
             let iteration = format!("{}_iteration", program.kernel.graph.root(root).name);
             names.reserve(
@@ -63,6 +69,13 @@ impl<'a> Writer<'a> {
                     let _ = writeln!(text, "{indent}const double {name} = {from};");
                 }
                 number += 1;
+            }
+        }
+        let direction = self.program.kernel.spec.direction.iter().flat_map(|symbols| &symbols.element);
+        for (number, symbol) in direction.enumerate() {
+            if let Some(expr) = self.symbol(symbol) {
+                let from = (self.access.direction)(number);
+                let _ = writeln!(text, "{indent}const double {} = {from};", self.name(expr));
             }
         }
         text

@@ -9,6 +9,7 @@ mod contact;
 mod elements;
 mod joint;
 mod neo_hooke;
+mod products;
 mod surface;
 mod tanks;
 mod tet4;

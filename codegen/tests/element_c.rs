@@ -5,10 +5,10 @@ use std::fmt::Write as _;
 use std::process::Command;
 
 use diffuse_contact_codegen::expr::{Expr, Matrix, Vec3, Vector};
-use diffuse_contact_codegen::interpret::{Interpreter, NodeInputs, element_results};
+use diffuse_contact_codegen::interpret::{Interpreter, NodeInputs, element_products, element_results};
 use diffuse_contact_codegen::{Config, ElementKernels, ElementModel, Kernel, Limits, Mode};
 
-use crate::witnesses::{spring, tet4};
+use crate::witnesses::{numbers, spring, tet4};
 
 const GOLDEN: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../generated/golden/element_spring.h");
 
@@ -42,6 +42,7 @@ fn root(m: &ElementModel<'_>) {
     });
     m.energy(scale * foot.unknowns[0].max(0.1) * foot.unknowns[1]);
     m.value("residual", foot.residual);
+    m.product();
 }
 
 /// Four equations from a start, and three that are linear without anything on the diagonal.
@@ -91,6 +92,13 @@ fn expected(element: &ElementKernels, kernel: &Kernel<impl Clone>, inputs: &[f64
         sums.iter_mut().zip(&components).for_each(|(sum, &x)| *sum += interpreter.element(x));
     }
     sums
+}
+
+/// The numbers of each input.
+fn split<'a>(element: &ElementKernels, numbers: &'a [f64]) -> Vec<&'a [f64]> {
+    let mut rest = numbers;
+    let inputs = element.signature.inputs.iter();
+    inputs.map(|input| rest.split_off(..input.symbols.len()).unwrap()).collect()
 }
 
 /// A program that prints the results of each kernel for each element, first one by one, then as a batch.
@@ -150,7 +158,48 @@ fn program(element: &ElementKernels, elements: &[Vec<f64>]) -> String {
         }
         text.push_str("}}\n");
     }
-    text + "return 0; }\n"
+    text + &products(element, count) + "return 0; }\n"
+}
+
+/// The vector that an element's derivatives are multiplied by.
+fn direction_of(element: usize, entries: usize) -> Vec<f64> {
+    numbers(entries, 0.23 + 0.05 * element as f64)
+}
+
+/// Prints the products of each element, first one by one, then as a batch.
+fn products(element: &ElementKernels, count: usize) -> String {
+    let (name, entries) = (&element.signature.name, element.signature.variables());
+    let lengths: Vec<usize> =
+        element.product.iter().flat_map(|kernel| &kernel.values).map(|v| v.components.len()).collect();
+    let list = |x: Vec<f64>| x.iter().map(|x| format!("{x:?}")).collect::<Vec<_>>().join(", ");
+    let directions: Vec<Vec<f64>> = (0..count).map(|k| direction_of(k, entries)).collect();
+    let columns = (0..entries).flat_map(|i| directions.iter().map(move |v| v[i])).collect();
+    let mut text = format!(
+        "{{ static const double v[] = {{{}}}, v_columns[] = {{{}}};\n",
+        list(directions.concat()),
+        list(columns)
+    );
+    let arrays: String = (0..lengths.len()).map(|n| format!(", p{n}")).collect();
+    for (n, length) in lengths.iter().enumerate() {
+        let _ = writeln!(text, "static double p{n}[{length} * {count}];");
+    }
+    let _ = writeln!(
+        text,
+        "for (int k = 0; k < {count}; k++) {{ {name}_inputs in; memcpy(&in, all[k], sizeof in);\n\
+         {name}_product(&in, v + {entries} * k{arrays});"
+    );
+    for (n, length) in lengths.iter().enumerate() {
+        let _ = writeln!(text, "for (int i = 0; i < {length}; i++) printf(\"%.17g\\n\", p{n}[i]);");
+    }
+    let _ = writeln!(
+        text,
+        "}} {name}_product_batch({count}, columns, v_columns{arrays}); for (int k = 0; k < {count}; k++) {{"
+    );
+    for (n, length) in lengths.iter().enumerate() {
+        let _ =
+            writeln!(text, "for (int i = 0; i < {length}; i++) printf(\"%.17g\\n\", p{n}[i * {count} + k]);");
+    }
+    text + "}}\n"
 }
 
 /// What a program prints, with these options of the compiler.
@@ -179,6 +228,10 @@ fn compiled_c_has_the_numbers_of_the_interpreter() {
         ("equations", equations),
     ];
     for (name, formulas) in all {
+        let formulas = |m: &ElementModel<'_>| {
+            formulas(m);
+            m.product();
+        };
         let element = ElementKernels::new(name, formulas).unwrap();
         let header = Config::new().element(name, formulas).unwrap().c_source();
         let elements: Vec<Vec<f64>> =
@@ -188,6 +241,14 @@ fn compiled_c_has_the_numbers_of_the_interpreter() {
             let results: Vec<Vec<f64>> = elements.iter().map(|x| expected(&element, kernel, x)).collect();
             all.extend([results.concat(), results.concat()].concat());
         }
+        let product = |(k, x): (usize, &Vec<f64>)| {
+            let direction = direction_of(k, element.signature.variables());
+            let products =
+                element_products(element.product.as_ref().unwrap(), &split(&element, x), &[], &direction);
+            products.into_iter().flat_map(|(_, x)| x).collect::<Vec<f64>>()
+        };
+        let products: Vec<f64> = elements.iter().enumerate().flat_map(product).collect();
+        all.extend([&products[..], &products].concat());
         let program = program(&element, &elements);
         for options in [&["-O0"][..], &["-O3"]] {
             let found = printed(name, &header, &program, options);
@@ -223,6 +284,7 @@ fn fitted(m: &ElementModel<'_>) {
         0.5 * stiffness * (x - mean).dot(x - mean) + u * v + height.exp() + ring.unknowns.dot(ring.unknowns),
     );
     m.value("residual", foot.residual);
+    m.product();
 }
 
 /// Inputs of one element: its own numbers, then those of its nodes.
@@ -236,7 +298,11 @@ fn fitted_numbers(count: usize, seed: &mut f64) -> (Vec<f64>, Vec<f64>) {
 }
 
 /// A program that prints all results of each element, first of functions for one, then of the batch.
-fn program_with_nodes(elements: &[(Vec<f64>, Vec<f64>)], arrays: &[(&str, usize)]) -> String {
+fn program_with_nodes(
+    elements: &[(Vec<f64>, Vec<f64>)],
+    arrays: &[(&str, usize)],
+    products: &[(&str, usize)],
+) -> String {
     let (all, count) = (elements.len(), elements[0].1.len() / 4);
     let list = |x: &[f64]| x.iter().map(|x| format!("{x:?}")).collect::<Vec<_>>().join(", ");
     let columns = |of: &dyn Fn(usize) -> Vec<f64>| {
@@ -280,6 +346,41 @@ fn program_with_nodes(elements: &[(Vec<f64>, Vec<f64>)], arrays: &[(&str, usize)
             "for (int i = 0; i < {length}; i++) printf(\"%.17g\\n\", all_{name}[i * {all} + k]);"
         );
     }
+    text.push_str("}\n");
+    let variables = 3 + 3 * count;
+    let _ = writeln!(
+        text,
+        "static const double v[] = {{{}}}, v_side_by_side[] = {{{}}};\n\
+         static double of_nodes_products[DIFFUSE_CONTACT_LANES * {count} * FITTED_PRODUCT_SCRATCH + 1];",
+        list(&(0..all).flat_map(|k| direction_of(k, variables)).collect::<Vec<_>>()),
+        columns(&|k| direction_of(k, variables)),
+    );
+    for (name, length) in products {
+        let _ = writeln!(text, "static double {name}[{length}], all_{name}[{length} * {all}];");
+    }
+    let names: Vec<&str> = products.iter().map(|(name, _)| *name).collect();
+    let _ = writeln!(
+        text,
+        "for (int k = 0; k < {all}; k++) {{ memcpy(&of_one, inputs + 4 * k, sizeof of_one); memcpy(of_nodes, nodes + {} * k, sizeof of_nodes);\n\
+         fitted_product({count}, &of_one, of_nodes, v + {variables} * k, {}, of_nodes_products);",
+        4 * count,
+        names.join(", ")
+    );
+    for (name, length) in products {
+        let _ = writeln!(text, "for (int i = 0; i < {length}; i++) printf(\"%.17g\\n\", {name}[i]);");
+    }
+    let _ = writeln!(
+        text,
+        "}}\nfitted_product_batch({all}, {count}, side_by_side, nodes_side_by_side, v_side_by_side, all_{}, of_nodes_products);\n\
+         for (int k = 0; k < {all}; k++) {{",
+        names.join(", all_")
+    );
+    for (name, length) in products {
+        let _ = writeln!(
+            text,
+            "for (int i = 0; i < {length}; i++) printf(\"%.17g\\n\", all_{name}[i * {all} + k]);"
+        );
+    }
     text + "} return 0; }\n"
 }
 
@@ -301,13 +402,27 @@ fn compiled_c_has_the_numbers_of_the_interpreter_for_any_number_of_nodes() {
             .collect();
         let arrays: Vec<(&str, usize)> =
             results[0].iter().skip(3).map(|(name, values)| (name.as_str(), values.len())).collect();
-        let found = printed("fitted", &header, &program_with_nodes(&elements, &arrays), options);
+        let product = |(k, (x, nodes)): (usize, &(Vec<f64>, Vec<f64>))| {
+            let nodes: Vec<&[f64]> = nodes.chunks(4).collect();
+            let (kernel, direction) = (element.product.as_ref().unwrap(), direction_of(k, 3 + 3 * count));
+            element_products(kernel, &[&x[..3], &x[3..]], &nodes, &direction)
+        };
+        let products: Vec<_> = elements.iter().enumerate().map(product).collect();
+        let product_arrays: Vec<(&str, usize)> =
+            products[0].iter().map(|(name, values)| (name.as_str(), values.len())).collect();
+        let program = program_with_nodes(&elements, &arrays, &product_arrays);
+        let found = printed("fitted", &header, &program, options);
         let expected: Vec<Vec<f64>> = results
             .iter()
             .map(|results| results.iter().flat_map(|(_, values)| values.clone()).collect())
             .collect();
         let length = expected[0].len();
-        assert_eq!(found.len(), 2 * all * length);
+        let (found, found_products) = found.split_at(2 * all * length);
+        let products: Vec<f64> = products.into_iter().flatten().flat_map(|(_, values)| values).collect();
+        assert_eq!(found_products.len(), 2 * products.len());
+        for (found, expected) in found_products.iter().zip(products.iter().chain(&products)) {
+            assert!((found - expected).abs() <= 1e-12 * (1.0 + expected.abs()), "{found} {expected}");
+        }
         for (found, expected) in found.chunks(length).zip(expected.iter().chain(&expected)) {
             assert!(found[4] < 1e-12 && expected[4] < 1e-12, "the foot is found");
             for (k, (found, expected)) in found.iter().zip(expected).enumerate().filter(|(k, _)| *k != 4) {

@@ -86,6 +86,9 @@
 //! `structure/invariance.rs` takes the way with the fewest operations. `emit/fixed.rs` writes them and the facets' kernels, `emit/c/`
 //! writes C.
 //!
+//! **Products with a vector** need no rules of their own. `structure/direction.rs` gives each variable a rate and lets the engine
+//! differentiate the gradient by all of them at once: forward over reverse. Each such kernel is one more function of the same signature.
+//!
 //! **Nodes of an open number** in elements of the caller's: a function depends on them through sums, and through unknowns of equations that
 //! are linear in sums. `structure/node_sums.rs` eliminates one after the other and leaves a Hessian of low rank. `emit/node_loop.rs` writes
 //! the loops, those of the contact kernels too. `model/client.rs` gives the contact kernels the signature that C is written from.

@@ -449,12 +449,17 @@ impl<'a> Increment<'a> {
     }
 }
 
-/// Whether a round after so many iterations, of `most`, is given up. One whose last step was whole and brought the residual down is close
-/// to equilibrium: it may have half as many more.
+/// Whether a round after so many iterations, of `most`, is given up. One that comes closer to equilibrium may have half as many more:
+/// its last step was whole and brought the residual down, or each of its last three did so, and together to less than half.
 fn is_spent(history: &[IterationRecord], iterations: usize, most: usize) -> bool {
-    let is_close =
+    let is_whole =
         matches!(history, [.., before, last] if last.step >= 1.0 && last.residual < before.residual);
-    iterations >= if is_close { most + most / 2 } else { most }
+    let falls = |steps: &[IterationRecord]| {
+        steps.is_sorted_by(|before, after| after.residual < before.residual)
+            && steps[3].residual < 0.5 * steps[0].residual
+    };
+    let comes_closer = is_whole || history.last_chunk::<4>().is_some_and(|steps| falls(steps));
+    iterations >= if comes_closer { most + most / 2 } else { most }
 }
 
 /// Whether the last five residuals are two in turn.
@@ -498,6 +503,20 @@ mod tests {
         history[1] = IterationRecord { step: 1.0, residual: 6.9, ..history[1] };
         assert!(is_spent(&history, 20, 20));
         assert!(is_spent(&history[1..], 20, 20));
+    }
+
+    #[test]
+    fn short_steps_that_halve_the_residual_are_not_cut_off() {
+        let falling = |residuals: [f64; 4]| {
+            let mut history = history(&residuals, &[77; 4]);
+            history.iter_mut().for_each(|record| record.step = 0.3);
+            history
+        };
+        assert!(!is_spent(&falling([8.0, 6.0, 5.0, 3.9]), 20, 20));
+        assert!(is_spent(&falling([8.0, 6.0, 5.0, 3.9]), 30, 20));
+        assert!(is_spent(&falling([8.0, 6.0, 5.0, 4.1]), 20, 20));
+        assert!(is_spent(&falling([8.0, 3.0, 3.1, 2.9]), 20, 20));
+        assert!(is_spent(&falling([8.0, 6.0, 5.0, 3.9])[1..], 20, 20));
     }
 
     #[test]

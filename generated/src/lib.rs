@@ -42,6 +42,7 @@
 //! | batch, quadratic basis, fitting weight | 1 | 4 elements | 8 | 2 |
 //! | batch, other bases, interpolating weight | 1 | 4 | as AVX2 | 2 |
 //!
+//! Batches for AVX-512 are compiled with the feature `avx512`, on by default; without it `Isa` has none of that name.
 //! Processors of x86-64 without AVX2 and fused multiply-adds, most of them from before 2014, compute number by number.
 //!
 //! Other combinations were left out for compile time and size. A single element of 9 to 16 nodes

@@ -73,7 +73,12 @@ pub enum CliError {
         reason: rayon::ThreadPoolBuildError,
     },
     /// The environment asks for vector instructions that there are not.
-    #[error("DIFFUSE_CONTACT_ISA: this machine has no instructions {:?}; it has {}", shown(name), available.join(", "))]
+    #[error(
+        "DIFFUSE_CONTACT_ISA: this program has no kernels for {:?} on this machine; it has {}{}",
+        shown(name),
+        available.join(", "),
+        advice(name)
+    )]
     NoInstructions {
         /// What was asked for.
         name: String,
@@ -96,6 +101,11 @@ impl CliError {
     pub fn is_closed_pipe(&self) -> bool {
         matches!(self, Self::Stdout(reason) if reason.kind() == ErrorKind::BrokenPipe)
     }
+}
+
+/// How a program gets the instructions of this name.
+fn advice(name: &str) -> &'static str {
+    if name == "avx512" { "; those for avx512 come with the feature avx512" } else { "" }
 }
 
 /// A text that holds what the system says, without error numbers.

@@ -119,7 +119,7 @@ enum Kind {
     Scalar,
     #[cfg(target_arch = "x86_64")]
     Avx2,
-    #[cfg(target_arch = "x86_64")]
+    #[cfg(all(target_arch = "x86_64", feature = "avx512"))]
     Avx512,
     #[cfg(target_arch = "aarch64")]
     Neon,
@@ -134,10 +134,15 @@ impl Isa {
     /// One number at a time: on every machine.
     pub const SCALAR: Self = Self(Kind::Scalar);
 
-    /// All that this machine has, the widest last.
+    /// All that this machine has and this crate is compiled for, the widest last.
     pub fn available() -> impl DoubleEndedIterator<Item = Self> {
         #[cfg(target_arch = "x86_64")]
-        let kinds = [(Kind::Scalar, true), (Kind::Avx2, x86::has_avx2()), (Kind::Avx512, x86::has_avx512())];
+        let kinds = [
+            (Kind::Scalar, true),
+            (Kind::Avx2, x86::has_avx2()),
+            #[cfg(feature = "avx512")]
+            (Kind::Avx512, x86::has_avx512()),
+        ];
         #[cfg(target_arch = "aarch64")]
         let kinds = [(Kind::Scalar, true), (Kind::Neon, true)];
         #[cfg(not(any(target_arch = "x86_64", target_arch = "aarch64")))]
@@ -145,7 +150,7 @@ impl Isa {
         kinds.into_iter().filter(|(_, is_there)| *is_there).map(|(kind, _)| Self(kind))
     }
 
-    /// The widest that this machine has, unless [`prefer`](Self::prefer) or the environment variable
+    /// The widest of the [available](Self::available), unless [`prefer`](Self::prefer) or the environment variable
     /// `DIFFUSE_CONTACT_ISA`, read once, names another one that it has. Where this crate is compiled without
     /// optimisation, one number at a time: its kernels are compiled for nothing else there. Kernels of a crate of one's own may be
     /// compiled otherwise than this one:
@@ -171,7 +176,7 @@ impl Isa {
         if best == self { Ok(()) } else { Err(best) }
     }
 
-    /// The one of this name, if this machine has it.
+    /// The one of this name, if it is [available](Self::available).
     #[must_use]
     pub fn named(name: &str) -> Option<Self> {
         Self::available().find(|isa| isa.name() == name)
@@ -184,7 +189,7 @@ impl Isa {
             Kind::Scalar => "scalar",
             #[cfg(target_arch = "x86_64")]
             Kind::Avx2 => "avx2",
-            #[cfg(target_arch = "x86_64")]
+            #[cfg(all(target_arch = "x86_64", feature = "avx512"))]
             Kind::Avx512 => "avx512",
             #[cfg(target_arch = "aarch64")]
             Kind::Neon => "neon",
@@ -198,7 +203,7 @@ impl Isa {
             Kind::Scalar => 1,
             #[cfg(target_arch = "x86_64")]
             Kind::Avx2 => 4,
-            #[cfg(target_arch = "x86_64")]
+            #[cfg(all(target_arch = "x86_64", feature = "avx512"))]
             Kind::Avx512 => 8,
             #[cfg(target_arch = "aarch64")]
             Kind::Neon => 2,
@@ -229,7 +234,7 @@ impl Isa {
     pub(super) fn run_vectors_beside<P, W: WithLanes>(self, code: W) -> Result<W::Output, W> {
         match self.0 {
             // SAFETY: an `Isa` exists only where its instructions do.
-            #[cfg(target_arch = "x86_64")]
+            #[cfg(all(target_arch = "x86_64", feature = "avx512"))]
             Kind::Avx512 => Ok(unsafe { <P as x86::Avx512>::run_avx512::<x86::F64x8, W>(code) }),
             _ => self.run_four_beside::<P, W>(code),
         }
@@ -241,8 +246,10 @@ impl Isa {
         match self.0 {
             Kind::Scalar => Err(code),
             // SAFETY: an `Isa` exists only where its instructions do, and those of four numbers are among them.
+            #[cfg(all(target_arch = "x86_64", feature = "avx512"))]
+            Kind::Avx512 => Ok(unsafe { <P as x86::Avx2>::run_avx2::<x86::F64x4, W>(code) }),
             #[cfg(target_arch = "x86_64")]
-            Kind::Avx2 | Kind::Avx512 => Ok(unsafe { <P as x86::Avx2>::run_avx2::<x86::F64x4, W>(code) }),
+            Kind::Avx2 => Ok(unsafe { <P as x86::Avx2>::run_avx2::<x86::F64x4, W>(code) }),
             #[cfg(target_arch = "aarch64")]
             Kind::Neon => Ok(code.run::<neon::F64x2>()),
         }

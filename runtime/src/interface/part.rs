@@ -348,7 +348,8 @@ impl SurfacePart {
         }
         let domains = grown(&self.cells, &factors);
         let ratios =
-            self.with_sheets(|sheets| sheets.ratios(&domains, &bases, self.setup.weight, &self.own))?;
+            // Other parts' places may crowd any node.
+            self.with_sheets(|sheets| sheets.ratios(&domains, (&bases, self.setup.weight), &self.own, |_| true))?;
         self.check_width(&ratios.open)?;
         Ok(Stage::Grown { domains, bases, ratios })
     }

@@ -14,6 +14,7 @@ use std::sync::atomic::{AtomicU8, AtomicU64, Ordering};
 
 use rayon::prelude::*;
 
+use super::conditioning::{Near, smallest_factor};
 use super::topology::NONE;
 use super::trim::trimmed;
 use super::{Creases, SurfaceIndex, Symmetry, Walk};
@@ -23,9 +24,6 @@ use crate::{Basis, MaterialDomain, MaterialNode, Point, Weight};
 
 /// What the fits at the centres have to reach; 0.25 is out of reach for one-sided fits.
 pub(crate) const SMALLEST_SINGULAR_VALUE: f64 = 0.13;
-/// Factors are tried in steps of this one, then halved in between so many times.
-const STEP: f64 = 1.04;
-const BISECTIONS: usize = 8;
 /// Where all nodes of a sheet are at hand, domains that reach so many times farther than the farthest weight all alike.
 const WIDEST: f64 = 10.0;
 /// Domains are wider than the centres ask for by this factor: slaves are elsewhere, too.
@@ -111,7 +109,7 @@ pub(super) struct Scratch {
     pub is_open: bool,
     walk: Walk,
     found: Vec<(u32, f64)>,
-    /// The cells of the nodes around a facet, and of their images.
+    /// The nodes around a facet, and their images, with their cells or domains.
     around: Vec<(u32, MaterialDomain)>,
     /// How far from the middle of the facet they were sought, and how far from there the outermost of them are that say how far a
     /// search reaches.
@@ -120,18 +118,6 @@ pub(super) struct Scratch {
     middle: Vector3,
     /// The same seen from a centre.
     pub nodes: Vec<Near>,
-}
-
-/// A node, or an image of one, seen from a centre.
-#[derive(Clone, Copy)]
-pub(super) struct Near {
-    pub place: u32,
-    /// In the plane of the centre, length.
-    offset: [f64; 2],
-    /// t1ᵀG t1, t1ᵀG t2, t2ᵀG t2 over the trace, with the axes t1, t2 of the plane and the metric G of the node's cells.
-    cells: [f64; 3],
-    /// Distance in the metric of the node's cells, or of its domain.
-    pub distance: f64,
 }
 
 /// Sheets in their first configuration, of a whole surface or of a part.
@@ -230,7 +216,9 @@ impl NodalDomains {
         let facets: Vec<u32> = (0..index.surface().facet_count() as u32).collect();
         let Demands { factors, bases, .. } = sheets.demands(&cells, weight, basis, &facets);
         let domains = grown(&cells, &factors);
-        let domains = trimmed(&domains, &sheets.ratios(&domains, &bases, weight, &facets));
+        let crowded = sheets.crowded(&domains, &facets);
+        let ratios = sheets.ratios(&domains, (&bases, weight), &facets, |place| crowded[place]);
+        let domains = trimmed(&domains, &ratios);
         let (lists, _) = sheets.lists(&domains, &facets);
         Self::given(domains, bases, &lists)
     }
@@ -388,6 +376,11 @@ impl MaterialDomain {
         MaterialNode { offset: v.into(), metric: self.metric }.distance()
     }
 
+    /// Whether a point lies in the domain.
+    pub(super) fn reaches(&self, point: Vector3) -> bool {
+        self.length(Vector3::from(self.position) - point) < 1.0
+    }
+
     /// The shortest half axis.
     pub(crate) fn shortest(&self) -> f64 {
         let [_, _, (largest, _)] = symmetric_eigen(gram(&self.metric));
@@ -402,7 +395,7 @@ impl MaterialDomain {
 }
 
 /// The nodes of the facet's sheet whose domains, with a margin, reach it, and their images.
-pub(super) fn list(
+fn list(
     sheets: &Sheets<'_>,
     (domains, extents): (&[MaterialDomain], &[f64]),
     facet: u32,
@@ -552,11 +545,26 @@ impl Scratch {
         (self.reach, self.shell) = (reach, SHELL * reach.min(symmetry.reach()));
     }
 
-    /// Takes these nodes and domains for those around.
-    pub fn take(&mut self, around: impl Iterator<Item = (u32, MaterialDomain)>) {
+    /// Takes the nodes that are listed for a facet, and their domains, for those around.
+    pub fn take_listed(
+        &mut self,
+        sheets: &Sheets<'_>,
+        (domains, extents): (&[MaterialDomain], &[f64]),
+        facet: u32,
+    ) {
+        let listed = list(sheets, (domains, extents), facet, self);
         self.around.clear();
-        self.around.extend(around);
+        self.around.extend(listed.iter().map(|own| {
+            let domain = &domains[own.place as usize];
+            let is_image = own.image != NONE;
+            (own.place, if is_image { sheets.symmetry.domain_of(own.image, domain) } else { *domain })
+        }));
         self.shell = f64::INFINITY;
+    }
+
+    /// The nodes around, or their images, with their domains.
+    pub fn around(&self) -> &[(u32, MaterialDomain)] {
+        &self.around
     }
 
     /// The gathered nodes as seen from a centre, nearest first. Returns the smallest distance of the outermost ones.
@@ -586,94 +594,4 @@ impl Scratch {
         self.nodes.sort_by(|x, y| x.distance.total_cmp(&y.distance));
         outer
     }
-}
-
-/// The smallest factor up to `largest` for which the nodes within reach carry the basis.
-fn smallest_factor(nodes: &[Near], weight: Weight, carried: Carried, largest: f64) -> Option<f64> {
-    let size = carried.size();
-    // Images in a plane along the surface stand above one another: steps from zero would lead nowhere.
-    let first =
-        nodes.get(size.checked_sub(1)?..)?.iter().map(|node| node.distance).find(|x| x.is_normal())?;
-    let is_enough = |factor: f64| is_well_conditioned(nodes, weight, (size, SMALLEST_SINGULAR_VALUE), factor);
-    let (mut below, mut factor) = (first, first * STEP);
-    while !is_enough(factor) {
-        below = factor;
-        factor *= STEP;
-        if !(factor <= largest) {
-            return None;
-        }
-    }
-    for _ in 0..BISECTIONS {
-        let middle = 0.5 * (below + factor);
-        if is_enough(middle) { factor = middle } else { below = middle }
-    }
-    (factor <= largest).then_some(factor)
-}
-
-/// Whether no singular value of the weighted design matrix of so many functions, columns scaled to length one, is below the smallest
-/// one wanted, with functions of the coordinates along the centre's axes or of those in which the cells are as long in all directions:
-/// the columns of long cells at an angle to the axes are all but parallel, however many nodes there are.
-pub(super) fn is_well_conditioned(
-    nodes: &[Near],
-    weight: Weight,
-    (size, smallest): (usize, f64),
-    factor: f64,
-) -> bool {
-    // Columns are scaled in the end: this is for their powers.
-    let unit = nodes.last().map_or(1.0, |node| node.offset[0].abs().max(node.offset[1].abs()));
-    let within = || {
-        nodes
-            .iter()
-            .take_while(|node| node.distance < factor)
-            .map(|node| (node, weight.fitting(node.distance / factor)))
-    };
-    let gram_of = |rows: [[f64; 2]; 2]| {
-        let mut gram = [[0.0; 6]; 6];
-        for (node, w) in within() {
-            let [a, b] = rows.map(|row| (row[0] * node.offset[0] + row[1] * node.offset[1]) / unit);
-            let p = [1.0, a, b, a * a, a * b, b * b];
-            for i in 0..size {
-                let weighted = w * p[i];
-                for j in 0..=i {
-                    gram[i][j] += weighted * p[j];
-                }
-            }
-        }
-        gram
-    };
-    if is_far_from_singular(gram_of([[1.0, 0.0], [0.0, 1.0]]), size, smallest) {
-        return true;
-    }
-    let mean = within().fold([0.0; 3], |sums, (node, w)| [0, 1, 2].map(|k| sums[k] + w * node.cells[k]));
-    // The root of the mean metric, up to a factor.
-    let [xx, xy, yy] = mean.map(|entry| entry / (mean[0] + mean[2]));
-    let root = (xx * yy - xy * xy).sqrt();
-    is_far_from_singular(gram_of([[xx + root, xy], [xy, yy + root]]), size, smallest)
-}
-
-/// Whether the Gram matrix of columns, scaled to length one, less the square of the smallest singular value wanted on the diagonal, is
-/// positive definite.
-fn is_far_from_singular(mut gram: [[f64; 6]; 6], size: usize, smallest: f64) -> bool {
-    let lengths: [f64; 6] = std::array::from_fn(|k| gram[k][k].sqrt());
-    for i in 0..size {
-        for j in 0..=i {
-            let mut entry = gram[i][j] / (lengths[i] * lengths[j]);
-            if i == j {
-                entry -= smallest * smallest;
-            }
-            for k in 0..j {
-                entry -= gram[i][k] * gram[j][k];
-            }
-            // The factor overwrites the matrix row by row; a row reads factors of earlier columns only.
-            gram[i][j] = if i == j {
-                if !(entry > 0.0) {
-                    return false;
-                }
-                entry.sqrt()
-            } else {
-                entry / gram[j][j]
-            };
-        }
-    }
-    true
 }

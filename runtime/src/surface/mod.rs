@@ -30,6 +30,7 @@
 
 mod area;
 mod border;
+mod conditioning;
 mod domains;
 mod error;
 mod index;

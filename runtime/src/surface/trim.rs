@@ -15,7 +15,8 @@ use rayon::prelude::*;
 
 use super::SurfaceIndex;
 use super::border::Creases;
-use super::domains::{CHUNK, Carried, Centre, Scratch, Sheets, fan, is_well_conditioned, list};
+use super::conditioning::is_well_conditioned;
+use super::domains::{CHUNK, Carried, Centre, Scratch, Sheets, fan};
 use super::shape::Shape;
 use super::topology::NONE;
 use crate::vector::Vector3;
@@ -45,38 +46,57 @@ pub(crate) struct Ratios {
 }
 
 impl Sheets<'_> {
-    /// By how much domains can shrink as far as the places on these facets go, in parallel.
+    /// By place among the nodes whether a crowded place on these facets is served by it, in parallel.
+    pub fn crowded(&self, domains: &[MaterialDomain], facets: &[u32]) -> Vec<bool> {
+        let crowded = Marks::none(self.index.surface().nodes().len());
+        let extents: Vec<f64> = domains.par_iter().map(MaterialDomain::extent).collect();
+        facets.par_iter().with_min_len(CHUNK).for_each_init(Scratch::default, |scratch, &facet| {
+            scratch.take_listed(self, (domains, &extents), facet);
+            if scratch.around().len() > CROWD {
+                for place in places(self.index, self.creases, facet) {
+                    let served = || scratch.around().iter().filter(|(_, domain)| domain.reaches(place.point));
+                    if served().count() > CROWD {
+                        served().for_each(|(node, _)| crowded.mark(*node));
+                    }
+                }
+            }
+        });
+        crowded.get()
+    }
+
+    /// By how much domains can shrink as far as the places on these facets go, in parallel. Of nodes that are not asked for, ratios may
+    /// be too small.
     pub fn ratios(
         &self,
         domains: &[MaterialDomain],
-        bases: &[Carried],
-        weight: Weight,
+        (bases, weight): (&[Carried], Weight),
         facets: &[u32],
+        is_asked: impl Fn(usize) -> bool + Sync,
     ) -> Ratios {
         let count = self.index.surface().nodes().len();
         let ratios: Vec<AtomicU64> = (0..count).map(|_| AtomicU64::new(0)).collect();
-        let crowded: Vec<AtomicBool> = (0..count).map(|_| AtomicBool::new(false)).collect();
+        let crowded = Marks::none(count);
         let extents: Vec<f64> = domains.par_iter().map(MaterialDomain::extent).collect();
         let of_facet = |scratch: &mut Scratch, &facet: &u32| {
             scratch.is_open = false;
-            let listed = list(self, (domains, &extents), facet, scratch);
-            scratch.take(listed.iter().map(|own| {
-                let domain = &domains[own.place as usize];
-                let is_image = own.image != NONE;
-                (own.place, if is_image { self.symmetry.domain_of(own.image, domain) } else { *domain })
-            }));
+            scratch.take_listed(self, (domains, &extents), facet);
+            if !scratch.around().iter().any(|(node, _)| is_asked(*node as usize)) {
+                return scratch.is_open.then_some(facet);
+            }
             for place in places(self.index, self.creases, facet) {
                 scratch.look(&place, self.symmetry);
                 let served = scratch.nodes.partition_point(|node| node.distance < 1.0);
+                if !scratch.nodes[..served].iter().any(|node| is_asked(node.place as usize)) {
+                    continue;
+                }
                 let ratio = smallest_ratio(scratch, weight, bases[facet as usize]);
                 for node in &scratch.nodes[..served] {
-                    let node_place = node.place as usize;
                     if served > CROWD {
-                        crowded[node_place].store(true, Ordering::Relaxed);
+                        crowded.mark(node.place);
                     }
                     // The largest does not depend on the order; the bits of positive numbers are ordered like them.
                     let asked = if node.distance < ratio { ratio } else { SMALLEST_RATIO };
-                    ratios[node_place].fetch_max(asked.to_bits(), Ordering::Relaxed);
+                    ratios[node.place as usize].fetch_max(asked.to_bits(), Ordering::Relaxed);
                 }
             }
             scratch.is_open.then_some(facet)
@@ -85,9 +105,26 @@ impl Sheets<'_> {
             facets.par_iter().with_min_len(CHUNK).map_init(Scratch::default, of_facet).collect();
         Ratios {
             ratios: ratios.into_iter().map(|bits| f64::from_bits(bits.into_inner())).collect(),
-            crowded: crowded.into_iter().map(AtomicBool::into_inner).collect(),
+            crowded: crowded.get(),
             open: open.into_iter().flatten().collect(),
         }
+    }
+}
+
+/// Marks by place among the nodes, set in any order.
+struct Marks(Vec<AtomicBool>);
+
+impl Marks {
+    fn none(count: usize) -> Self {
+        Self((0..count).map(|_| AtomicBool::new(false)).collect())
+    }
+
+    fn mark(&self, node: u32) {
+        self.0[node as usize].store(true, Ordering::Relaxed);
+    }
+
+    fn get(self) -> Vec<bool> {
+        self.0.into_iter().map(AtomicBool::into_inner).collect()
     }
 }
 
@@ -104,9 +141,8 @@ pub(crate) fn trimmed(
 
 /// The smallest ratio for which the fit at a place is well conditioned, as it is with all larger ones; 1 if it is not as it is.
 fn smallest_ratio(scratch: &Scratch, weight: Weight, carried: Carried) -> f64 {
-    let size = carried.size();
-    let is_enough = |ratio: f64| is_well_conditioned(&scratch.nodes, weight, (size, KEPT), ratio);
-    if size == 0 || !is_enough(1.0) {
+    let is_enough = |ratio: f64| is_well_conditioned(&scratch.nodes, weight, carried, KEPT, ratio);
+    if carried == Carried::Nothing || !is_enough(1.0) {
         return 1.0;
     }
     let mut ratio = 1.0;

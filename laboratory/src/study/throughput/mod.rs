@@ -50,6 +50,8 @@ struct Throughput {
     masters: f64,
     /// Connecting the facets and checking the surface.
     connect_s: f64,
+    /// Domains of influence of all master nodes, once for all positions.
+    domains_s: f64,
     /// Index, search and pairing of all slaves.
     refresh_s: f64,
     /// Check of all slaves, all lists of nodes kept.
@@ -106,7 +108,9 @@ fn measure(side: usize, with_assembly: bool) -> Result<Throughput, StudyError> {
     let (master, connect_s) = timed(|| MasterSurface::new(&positions, facets));
     let nodes = slaves.len();
     let options = InterfaceOptions::default();
-    let mut interface = ContactInterface::new(master?, slaves, &[], &positions, options)?;
+    let master = master?;
+    let (interface, domains_s) = timed(|| ContactInterface::new(master, slaves, &[], &positions, options));
+    let mut interface = interface?;
     let (refreshed, refresh_s) = timed(|| interface.refresh_pairing(&positions));
     refreshed?;
     // A small slide, as between two iterations.
@@ -144,6 +148,7 @@ fn measure(side: usize, with_assembly: bool) -> Result<Throughput, StudyError> {
         contacts,
         masters: masters as f64 / contacts as f64,
         connect_s,
+        domains_s,
         refresh_s,
         refresh_kept_s,
         evaluate_s,
@@ -205,6 +210,7 @@ impl fmt::Display for Throughput {
         row(f, "threads", &self.threads.to_string())?;
         row(f, "contacts", &format!("{}, {:.1} master nodes each", self.contacts, self.masters))?;
         row(f, "connect the surface", &each(self.connect_s))?;
+        row(f, "domains of influence", &each(self.domains_s))?;
         row(f, "refresh, all paired", &each(self.refresh_s))?;
         row(f, "refresh, all lists kept", &each(self.refresh_kept_s))?;
         row(f, "gap, N and M", &each(self.evaluate_s))?;

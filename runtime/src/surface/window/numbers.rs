@@ -64,34 +64,9 @@ impl Window {
     /// # Errors
     /// [`WindowError::Invalid`] for numbers that are none of a window, [`WindowError::InvalidBox`].
     pub fn from_numbers(integers: &[i64], reals: &[f64]) -> Result<Self, WindowError> {
-        let invalid = |what, place| WindowError::Invalid { what, place };
-        let Some((header, mut rest)) = integers.split_at_checked(HEADER) else {
-            return Err(invalid("integer", integers.len()));
-        };
-        let weight = Weight::ALL.into_iter().find(|&weight| weight as i64 == header[1]);
-        let basis = [Basis::Linear, Basis::Quadratic].into_iter().find(|own| own.size() as i64 == header[2]);
-        let (MAGIC, Some(weight), Some(basis)) = (header[0], weight, basis) else {
-            return Err(invalid("integer", 0));
-        };
-        let mut counts = [0; 5];
-        for (count, (place, &number)) in counts.iter_mut().zip(header.iter().enumerate().skip(3)) {
-            // More than there are numbers are none, so that no product below is too large.
-            let most = integers.len() + reals.len();
-            let number = usize::try_from(number).ok().filter(|&number| number <= most);
-            *count = number.ok_or(invalid("integer", place))?;
-        }
+        let Header { weight, basis, counts } = Header::of(integers, reals)?;
         let [planes, boxes, nodes, facets, listed] = counts;
-        if rest.len() != nodes + FACET * facets + listed {
-            return Err(invalid("integer", integers.len()));
-        }
-        if reals.len() != REALS + BOX * planes + BOX * boxes + NODE * nodes {
-            return Err(invalid("floating-point number", reals.len()));
-        }
-        if let Some(place) = reals.iter().position(|x| !x.is_finite())
-            && !(1..REALS - 1).contains(&place)
-        {
-            return Err(invalid("floating-point number", place));
-        }
+        let mut rest = &integers[HEADER..];
         let mut take = |count: usize| {
             let (own, after) = rest.split_at(count);
             rest = after;
@@ -101,6 +76,7 @@ impl Window {
         check_ascending("node", numbers.iter().copied())?;
         let rows = take(FACET * facets).as_chunks::<FACET>().0;
         check_ascending("facet", rows.iter().map(|row| row[0]))?;
+        let invalid = |what, place| WindowError::Invalid { what, place };
         let facets = rows.iter().enumerate().map(|(k, row)| facet_of(row, nodes).ok_or(invalid("facet", k)));
         let facets = facets.collect::<Result<Vec<WindowFacet>, WindowError>>()?;
         let list = take(listed).iter().enumerate();
@@ -131,6 +107,49 @@ impl Window {
         let extents = Extents { low: point(1), high: point(4), facet: reals[7] };
         let setup = Setup { weight, basis, feature_angle_degrees: reals[0], planes, extents };
         Ok(Self { setup, boxes, skin, nodes, facets, listed: list })
+    }
+}
+
+/// What the first integers say.
+struct Header {
+    weight: Weight,
+    basis: Basis,
+    /// Of planes, boxes, nodes, facets and listed nodes.
+    counts: [usize; 5],
+}
+
+impl Header {
+    /// Checks that there are as many numbers as it says, and that they are finite.
+    fn of(integers: &[i64], reals: &[f64]) -> Result<Self, WindowError> {
+        let invalid = |what, place| WindowError::Invalid { what, place };
+        let Some((header, rest)) = integers.split_at_checked(HEADER) else {
+            return Err(invalid("integer", integers.len()));
+        };
+        let weight = Weight::ALL.into_iter().find(|&weight| weight as i64 == header[1]);
+        let basis = [Basis::Linear, Basis::Quadratic].into_iter().find(|own| own.size() as i64 == header[2]);
+        let (MAGIC, Some(weight), Some(basis)) = (header[0], weight, basis) else {
+            return Err(invalid("integer", 0));
+        };
+        let mut counts = [0; 5];
+        for (count, (place, &number)) in counts.iter_mut().zip(header.iter().enumerate().skip(3)) {
+            // More than there are numbers are none, so that no product below is too large.
+            let most = integers.len() + reals.len();
+            let number = usize::try_from(number).ok().filter(|&number| number <= most);
+            *count = number.ok_or(invalid("integer", place))?;
+        }
+        let [planes, boxes, nodes, facets, listed] = counts;
+        if rest.len() != nodes + FACET * facets + listed {
+            return Err(invalid("integer", integers.len()));
+        }
+        if reals.len() != REALS + BOX * planes + BOX * boxes + NODE * nodes {
+            return Err(invalid("floating-point number", reals.len()));
+        }
+        if let Some(place) = reals.iter().position(|x| !x.is_finite())
+            && !(1..REALS - 1).contains(&place)
+        {
+            return Err(invalid("floating-point number", place));
+        }
+        Ok(Self { weight, basis, counts })
     }
 }
 

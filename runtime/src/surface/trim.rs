@@ -15,8 +15,10 @@ use rayon::prelude::*;
 
 use super::SurfaceIndex;
 use super::border::Creases;
-use super::domains::{CHUNK, Carried, Centre, Scratch, Sheets, fan, is_well_conditioned, list};
+use super::fits::{Centre, Scratch, fan, is_well_conditioned};
+use super::lists::list;
 use super::shape::Shape;
+use super::sheets::{CHUNK, Carried, Sheets};
 use super::topology::NONE;
 use crate::vector::Vector3;
 use crate::{MaterialDomain, Weight};

@@ -67,19 +67,14 @@ impl Window {
         let Header { weight, basis, counts } = Header::of(integers, reals)?;
         let [planes, boxes, nodes, facets, listed] = counts;
         let mut rest = &integers[HEADER..];
-        let mut take = |count: usize| {
-            let (own, after) = rest.split_at(count);
-            rest = after;
-            own
-        };
-        let numbers = take(nodes);
+        let numbers = take(&mut rest, nodes);
         check_ascending("node", numbers.iter().copied())?;
-        let rows = take(FACET * facets).as_chunks::<FACET>().0;
+        let rows = take(&mut rest, FACET * facets).as_chunks::<FACET>().0;
         check_ascending("facet", rows.iter().map(|row| row[0]))?;
         let invalid = |what, place| WindowError::Invalid { what, place };
         let facets = rows.iter().enumerate().map(|(k, row)| facet_of(row, nodes).ok_or(invalid("facet", k)));
         let facets = facets.collect::<Result<Vec<WindowFacet>, WindowError>>()?;
-        let list = take(listed).iter().enumerate();
+        let list = take(&mut rest, listed).iter().enumerate();
         let list = list.map(|(k, &number)| listed_of(number, nodes).ok_or(invalid("listed node", k)));
         let list = list.collect::<Result<Vec<Listed>, WindowError>>()?;
         let counted: usize = facets.iter().filter_map(|facet| facet.core).map(|core| core.1 as usize).sum();
@@ -87,22 +82,17 @@ impl Window {
             return Err(invalid("list", facets.len()));
         }
         let (reals, mut rest) = reals.split_at(REALS);
-        let mut take = |count: usize| {
-            let (own, after) = rest.split_at(count);
-            rest = after;
-            own
-        };
         let plane = |&[x, y, z, a, b, c]: &[f64; BOX]| SymmetryPlane { point: [x, y, z], normal: [a, b, c] };
-        let planes = take(BOX * planes).as_chunks().0.iter().map(plane).collect();
+        let planes = take(&mut rest, BOX * planes).as_chunks().0.iter().map(plane).collect();
         let own = |&[x, y, z, a, b, c]: &[f64; BOX]| [[x, y, z], [a, b, c]];
-        let boxes: Vec<Box3> = take(BOX * boxes).as_chunks().0.iter().map(own).collect();
+        let boxes: Vec<Box3> = take(&mut rest, BOX * boxes).as_chunks().0.iter().map(own).collect();
         let skin = reals[REALS - 1];
         check_boxes(&boxes, skin)?;
         let node = |(&number, &[x, y, z, a, b, c, d, e, f]): (&i64, &[f64; NODE])| WindowNode {
             number: number as u64,
             domain: MaterialDomain { position: [x, y, z], metric: [a, b, c, d, e, f] },
         };
-        let nodes = numbers.iter().zip(take(NODE * nodes).as_chunks().0).map(node).collect();
+        let nodes = numbers.iter().zip(take(&mut rest, NODE * nodes).as_chunks().0).map(node).collect();
         let point = |k: usize| -> Point { [reals[k], reals[k + 1], reals[k + 2]] };
         let extents = Extents { low: point(1), high: point(4), facet: reals[7] };
         let setup = Setup { weight, basis, feature_angle_degrees: reals[0], planes, extents };
@@ -151,6 +141,11 @@ impl Header {
         }
         Ok(Self { weight, basis, counts })
     }
+}
+
+/// The first numbers, which are there; the others stay.
+fn take<'a, T>(rest: &mut &'a [T], count: usize) -> &'a [T] {
+    rest.split_off(..count).unwrap_or_default()
 }
 
 fn check_ascending(what: &'static str, numbers: impl Iterator<Item = i64>) -> Result<(), WindowError> {

@@ -111,6 +111,24 @@ fn height(x: f64, y: f64) -> f64 {
 
 /// As many slaves as a square of this side has, all 0.01 deep, over a grid of as many masters.
 fn interface(side: usize) -> Result<(), Failure> {
+    let (positions, mut interface) = scene(side)?;
+    interface.refresh_pairing(&positions)?;
+    let (law, dofs) = (ContactLaw::penalty(1e3), DofMap::standard(positions.len()));
+    println!("interface of {} slaves, {} threads, µs per slave", side * side, rayon::current_num_threads());
+    let v: Vec<f64> = (0..dofs.equations()).map(|k| (k as f64).sin()).collect();
+    let per_slave = |time: f64| 1e6 * time / (side * side) as f64;
+    let found = operator(&interface, (&law, &dofs), &v, per_slave)?;
+    let expected = assembled(&mut interface, (&law, &dofs), &v, per_slave)?;
+    let (mut difference, mut largest) = (0.0_f64, 0.0_f64);
+    for (x, y) in found.iter().zip(&expected) {
+        (difference, largest) = (difference.max((x - y).abs()), largest.max(y.abs()));
+    }
+    println!("largest difference over the largest entry: {:.1e}", difference / largest);
+    Ok(())
+}
+
+/// A surface of so many nodes each way, and as many slaves a little below it.
+fn scene(side: usize) -> Result<(Vec<Point>, ContactInterface), Failure> {
     let mut noise = Noise(3);
     let mut positions: Vec<Point> = Vec::new();
     for k in 0..side * side {
@@ -127,80 +145,79 @@ fn interface(side: usize) -> Result<(), Failure> {
         let (x, y) = (inner(k % side), inner(k / side));
         positions.push([x, y, height(x, y) - 0.01]);
     }
-    let mut interface = ContactInterface::new(master, slaves, &[], &positions, InterfaceOptions::default())?;
-    interface.refresh_pairing(&positions)?;
-    let (law, dofs) = (ContactLaw::penalty(1e3), DofMap::standard(positions.len()));
-    let per_slave = |time: f64| 1e6 * time / (side * side) as f64;
-    println!("interface of {} slaves, {} threads, µs per slave", side * side, rayon::current_num_threads());
+    let interface = ContactInterface::new(master, slaves, &[], &positions, InterfaceOptions::default())?;
+    Ok((positions, interface))
+}
 
+/// The least time of some calls, s.
+fn least<T>(calls: usize, mut call: impl FnMut() -> Result<T, Failure>) -> Result<f64, Failure> {
+    let mut best = f64::INFINITY;
+    for _ in 0..calls {
+        let start = Instant::now();
+        black_box(call()?);
+        best = best.min(start.elapsed().as_secs_f64());
+    }
+    Ok(best)
+}
+
+/// The product by the operator.
+fn operator(
+    interface: &ContactInterface,
+    (law, dofs): (&ContactLaw<'_>, &DofMap),
+    v: &[f64],
+    per_slave: impl Fn(f64) -> f64,
+) -> Result<Vec<f64>, Failure> {
     let start = Instant::now();
-    let mut operator = TangentOperator::new(&interface, &law, &dofs)?;
+    let mut operator = TangentOperator::new(interface, law, dofs)?;
     let made = start.elapsed().as_secs_f64();
     let bytes = operator.bytes() as f64 / operator.contacts() as f64;
     println!("operator: made {:.3}, {bytes:.0} bytes per contact", per_slave(made));
-    let v: Vec<f64> = (0..dofs.equations()).map(|k| (k as f64).sin()).collect();
     let mut found = vec![0.0; v.len()];
-    let mut best = f64::INFINITY;
-    for _ in 0..12 {
+    let best = least(12, || {
         found.fill(0.0);
-        let start = Instant::now();
-        operator.add_product(&v, &mut found)?;
-        best = best.min(start.elapsed().as_secs_f64());
-    }
+        Ok(operator.add_product(v, &mut found)?)
+    })?;
     println!("operator: product {:.3}", per_slave(best));
-    drop(operator);
+    Ok(found)
+}
 
+/// The product by the assembled matrix.
+fn assembled(
+    interface: &mut ContactInterface,
+    (law, dofs): (&ContactLaw<'_>, &DofMap),
+    v: &[f64],
+    per_slave: impl Fn(f64) -> f64,
+) -> Result<Vec<f64>, Failure> {
+    let slaves = interface.slaves().len();
     let start = Instant::now();
     let contacts = interface.evaluate(Mode::Hessian)?;
     let evaluated = start.elapsed().as_secs_f64();
     let start = Instant::now();
-    let pattern = CsrPattern::union(contacts, &dofs)?;
+    let mut pattern = CsrPattern::union(contacts, dofs)?;
     let patterned = start.elapsed().as_secs_f64();
-    let mut pattern = pattern;
-    let mut renewed = f64::INFINITY;
-    let mut anew = f64::INFINITY;
-    for _ in 0..5 {
-        let start = Instant::now();
-        pattern.renew(contacts, &dofs)?;
-        renewed = renewed.min(start.elapsed().as_secs_f64());
-        let start = Instant::now();
-        black_box(CsrPattern::union(contacts, &dofs)?);
-        anew = anew.min(start.elapsed().as_secs_f64());
-    }
+    let renewed = least(5, || Ok(pattern.renew(contacts, dofs)?))?;
+    let anew = least(5, || Ok(CsrPattern::union(contacts, dofs)?))?;
     println!("pattern: least of five {:.3}, in the same memory {:.3}", per_slave(anew), per_slave(renewed));
     let mut values = vec![0.0; pattern.entries()];
-    let start = Instant::now();
-    pattern.fill(contacts, &law, &mut values)?;
-    let filled = start.elapsed().as_secs_f64();
-    let mut refilled = f64::INFINITY;
-    for _ in 0..5 {
-        let start = Instant::now();
-        pattern.fill(contacts, &law, &mut values)?;
-        refilled = refilled.min(start.elapsed().as_secs_f64());
-    }
+    let filled = least(1, || Ok(pattern.fill(contacts, law, &mut values)?))?;
+    let refilled = least(5, || Ok(pattern.fill(contacts, law, &mut values)?))?;
     println!("fill: into new memory {:.3}, again {:.3}", per_slave(filled), per_slave(refilled));
-    let (mut expected, mut best, mut largest) = (vec![0.0; v.len()], f64::INFINITY, 0.0_f64);
-    for _ in 0..4 {
-        let start = Instant::now();
-        for (row, entry) in expected.iter_mut().enumerate() {
+    let mut product = vec![0.0; v.len()];
+    let best = least(4, || {
+        for (row, entry) in product.iter_mut().enumerate() {
             let range = pattern.row_offsets()[row]..pattern.row_offsets()[row + 1];
             let entries = values[range.clone()].iter().zip(&pattern.columns()[range]);
             *entry = entries.map(|(value, &column)| value * v[column as usize]).sum();
         }
-        best = best.min(start.elapsed().as_secs_f64());
-    }
-    let mut difference = 0.0_f64;
-    for (x, y) in found.iter().zip(&expected) {
-        (difference, largest) = (difference.max((x - y).abs()), largest.max(y.abs()));
-    }
+        Ok(())
+    })?;
     println!(
         "assembled: g, N, M {:.3}, pattern {:.3}, fill {:.3}, product by one thread {:.3}, {:.0} bytes per slave",
         per_slave(evaluated),
         per_slave(patterned),
         per_slave(filled),
         per_slave(best),
-        16.0 * pattern.entries() as f64 / (side * side) as f64,
+        16.0 * pattern.entries() as f64 / slaves as f64,
     );
-    println!("largest difference over the largest entry: {:.1e}", difference / largest);
-    Ok(())
+    Ok(product)
 }

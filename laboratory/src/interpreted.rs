@@ -5,17 +5,18 @@
 //! methods. Against it a kernel shows errors of emission; it shows errors of derivation against
 //! [`Ad`](diffuse_contact::ad::Ad). It takes any number of master nodes and any weight, and its speed is no aim.
 
+mod evaluation;
+
 use std::sync::OnceLock;
 
 use diffuse_contact::{
     Backend, Coefficients, ContactPoint, Domains, Element, ElementError, FootDerivatives, FrameDerivative,
-    Gap, Mode, Point, Slip, Surface, SymmetricMatrix,
+    Gap, Mode, Point, Slip, Surface,
 };
-use diffuse_contact_codegen::graph::ExprId;
 use diffuse_contact_codegen::interpret::{Interpreter, NodeInputs};
-use diffuse_contact_codegen::structure::{Gradient, Hessian};
 use diffuse_contact_codegen::{self as codegen, FrameRule, Kernel, KernelSpec, Output, Weight};
-use diffuse_contact_kernels::support::{CoefficientsValues, GapValues, SurfaceValues};
+use diffuse_contact_kernels::support::{CoefficientsValues, SurfaceValues};
+use evaluation::Evaluation;
 
 const OUTPUTS: usize = Output::ALL.len();
 const MODES: usize = codegen::Mode::ALL.len();
@@ -218,159 +219,6 @@ impl Backend for Interpreted {
             hessian: hessians.next().unwrap_or_default(),
             foot_weights: evaluation.node_values(),
         })
-    }
-}
-
-/// One element on its way through one kernel's graph.
-struct Evaluation<'a> {
-    kernel: &'a Kernel,
-    interpreter: Interpreter<'a>,
-    /// Number of master nodes.
-    count: usize,
-}
-
-impl Evaluation<'_> {
-    /// Gap, foot and normal, without derivatives.
-    fn contact(&mut self, element: &Element<'_>) -> Result<Gap, ElementError> {
-        let evaluation = self;
-        let values = GapValues {
-            gap: evaluation.scalar("gap"),
-            foot: evaluation.array("foot"),
-            normal: evaluation.array("normal"),
-            // The kernels' own; `Slip` has it.
-            slip: 0.0,
-            coefficients: evaluation.padded("coefficients"),
-            pivot_ratio: evaluation.scalar("pivot_ratio"),
-            plane_pivot_ratio: evaluation.plane_pivot_ratio(),
-            foot_residual: evaluation.scalar("foot_residual"),
-            foot_iterations: evaluation.scalar("foot_iterations"),
-            foot_distance: evaluation.scalar("foot_distance"),
-            jacobian_determinant: evaluation.scalar("jacobian_determinant"),
-            jacobian_trace: evaluation.scalar("jacobian_trace"),
-            checksum: evaluation.scalar("checksum"),
-        };
-        ElementError::check(values.status())?;
-        Ok(Gap {
-            gap: values.gap,
-            foot: values.foot,
-            normal: values.normal,
-            coefficients: values.coefficients[..element.basis.size()].to_vec(),
-            ..Gap::default()
-        })
-    }
-
-    fn components(&self, name: &str) -> &[ExprId] {
-        let value = self.kernel.values.iter().find(|value| value.name == name);
-        &value.unwrap_or_else(|| panic!("no kernel value is named {name}")).components
-    }
-
-    /// 1 if the frame is held: then there is no plane whose turn has to be found.
-    fn plane_pivot_ratio(&mut self) -> f64 {
-        match self.kernel.spec.frame {
-            FrameRule::Held => 1.0,
-            FrameRule::CoMoving | FrameRule::Material => self.scalar("plane_pivot_ratio"),
-        }
-    }
-
-    fn scalar(&mut self, name: &str) -> f64 {
-        self.array::<1>(name)[0]
-    }
-
-    fn array<const SIZE: usize>(&mut self, name: &str) -> [f64; SIZE] {
-        let components = self.components(name);
-        let components: [ExprId; SIZE] = components.try_into().unwrap_or_else(|_| {
-            panic!("the kernel value {name} has {} components, not {SIZE}", components.len())
-        });
-        components.map(|component| self.interpreter.element(component))
-    }
-
-    /// Coefficients of either basis; the linear one leaves the last three at 0.
-    fn padded(&mut self, name: &str) -> [f64; diffuse_contact::Basis::MOST_COEFFICIENTS] {
-        let mut padded = [0.0; diffuse_contact::Basis::MOST_COEFFICIENTS];
-        for (entry, component) in padded.iter_mut().zip(self.components(name).to_vec()) {
-            *entry = self.interpreter.element(component);
-        }
-        padded
-    }
-
-    fn gradients(&mut self) -> Vec<Vec<f64>> {
-        let kernel = self.kernel;
-        kernel.gradients.iter().map(|(_, gradient)| self.gradient(gradient)).collect()
-    }
-
-    fn gradient(&mut self, gradient: &Gradient) -> Vec<f64> {
-        let mut entries = gradient.slave.map(|x| self.interpreter.element(x)).to_vec();
-        for node in 0..self.count {
-            entries.extend(gradient.node.map(|x| self.interpreter.node(x, node)));
-        }
-        entries.extend(gradient.point.into_iter().flatten().map(|x| self.interpreter.element(x)));
-        entries
-    }
-
-    /// A derivative that is combined from the Hessian's rows, by slave and masters.
-    fn combination(&mut self, name: &str) -> Vec<[f64; 3]> {
-        let kernel = self.kernel;
-        let found = kernel.combinations.iter().find(|(other, _)| *other == name);
-        let (_, coefficients) = found.unwrap_or_else(|| panic!("no combination is named {name}"));
-        let terms = &kernel.hessians[0].1.form.terms;
-        let mut all = vec![[0.0; 3]];
-        for node in 0..self.count {
-            let mut entries = [0.0; 3];
-            for (term, &coefficient) in terms.iter().zip(coefficients) {
-                let coefficient = self.interpreter.element(coefficient);
-                for (entry, b) in entries.iter_mut().zip(term.b[0]) {
-                    *entry += coefficient * self.interpreter.node(b, node);
-                }
-            }
-            for axis in 0..3 {
-                all[0][axis] -= entries[axis];
-            }
-            all.push(entries);
-        }
-        all
-    }
-
-    /// The first of the kernel's results of node scope.
-    fn node_values(&mut self) -> Vec<f64> {
-        let Some(&(_, x)) = self.kernel.node_values.first() else { return Vec::new() };
-        (0..self.count).map(|node| self.interpreter.node(x, node)).collect()
-    }
-
-    fn hessians(&mut self) -> Vec<SymmetricMatrix> {
-        let kernel = self.kernel;
-        kernel.hessians.iter().map(|(_, hessian)| self.hessian(hessian)).collect()
-    }
-
-    /// The packed lower triangle, row by row.
-    fn hessian(&mut self, hessian: &Hessian) -> SymmetricMatrix {
-        let mut entries = Vec::new();
-        for row in 0..3 {
-            entries.extend(hessian.slave[row][..=row].iter().map(|&x| self.interpreter.element(x)));
-        }
-        for node in 0..self.count {
-            for row in 0..3 {
-                entries.extend(hessian.node_slave[row].map(|x| self.interpreter.node(x, node)));
-                for other in 0..node {
-                    entries.extend(hessian.pair[row].map(|x| self.interpreter.pair(x, node, other)));
-                }
-                let diagonal = &hessian.diagonal[row][..=row];
-                entries.extend(diagonal.iter().map(|&x| self.interpreter.node(x, node)));
-            }
-        }
-        let mut nodes = self.count + 1;
-        if let Some(point) = &hessian.point {
-            nodes += 1;
-            for row in 0..3 {
-                entries.extend(point.slave[row].map(|x| self.interpreter.element(x)));
-                for node in 0..self.count {
-                    entries.extend(point.node[row].map(|x| self.interpreter.node(x, node)));
-                }
-                entries.extend(point.diagonal[row][..=row].iter().map(|&x| self.interpreter.element(x)));
-            }
-        }
-        let mut matrix = SymmetricMatrix::zeros(3 * nodes);
-        matrix.packed_mut().copy_from_slice(&entries);
-        matrix
     }
 }
 

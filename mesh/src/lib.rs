@@ -40,6 +40,7 @@ pub mod file;
 mod gmsh;
 mod mesh;
 pub mod names;
+mod read;
 pub mod vtu;
 
 pub use element::{Cell, Element, ElementKind, Facet};

@@ -314,23 +314,31 @@ pub fn gap_batch(
         status: slice_mut(py, &mut status)?,
     };
     check(py, &elements, &results)?;
-    let pieces = results.pieces(kind);
-    let failed = if threads::thread_count(py)? == 1 {
+    let failed = evaluate_all(py, &elements, results.pieces(kind))?;
+    Ok(failed.map(|(index, error)| (index, error.stable_code(), error.to_string())))
+}
+
+/// Evaluates all pieces, on threads. The first element that fails, with the reason.
+fn evaluate_all(
+    py: Python<'_>,
+    elements: &Inputs<'_>,
+    pieces: Vec<Outputs<'_>>,
+) -> PyResult<Option<(usize, ElementError)>> {
+    if threads::thread_count(py)? == 1 {
         // Handing a batch over to another thread and waiting for it takes as long as several elements.
-        py.detach(|| {
+        Ok(py.detach(|| {
             let mut scratch = Scratch::default();
-            let failed = pieces.into_iter().filter_map(|piece| evaluate(&elements, piece, &mut scratch));
+            let failed = pieces.into_iter().filter_map(|piece| evaluate(elements, piece, &mut scratch));
             failed.min_by_key(|(index, _)| *index)
-        })
+        }))
     } else {
         threads::run(py, || {
             let failed = pieces
                 .into_par_iter()
-                .map_init(Scratch::default, |scratch, piece| evaluate(&elements, piece, scratch));
+                .map_init(Scratch::default, |scratch, piece| evaluate(elements, piece, scratch));
             failed.flatten_iter().min_by_key(|(index, _)| *index)
-        })?
-    };
-    Ok(failed.map(|(index, error)| (index, error.stable_code(), error.to_string())))
+        })
+    }
 }
 
 fn points_mut<'a>(

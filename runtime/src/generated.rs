@@ -2,6 +2,7 @@
 
 use diffuse_contact_kernels::support::{ElementInputs, GapValues, KernelSet, packed_row};
 
+use crate::batch::contact_point;
 use crate::foot;
 pub use crate::kernels::{Generated, GeneratedWith};
 use crate::kernels::{check_anchor, frame_rule, inputs, validate};
@@ -76,14 +77,9 @@ impl<K: KernelSet + Sync> Backend for GeneratedWith<K> {
         validate::<K>(element)?;
         let mut buffers = Buffers::new(element, mode, 1, 1);
         let values = run_gap::<K>(element, mode, &mut buffers.gradients, &mut buffers.hessians)?;
-        Ok(Gap {
-            gap: values.gap,
-            foot: values.foot,
-            normal: values.normal,
-            coefficients: values.coefficients[..element.basis.size()].to_vec(),
-            gradient: buffers.gradients().pop().unwrap_or_default(),
-            hessian: buffers.hessians().pop().unwrap_or_default(),
-        })
+        let (gradient, hessian) = (buffers.gradients().pop(), buffers.hessians().pop());
+        let (gradient, hessian) = (gradient.unwrap_or_default(), hessian.unwrap_or_default());
+        Ok(Gap { gradient, hessian, ..gap_of(element, &values) })
     }
 
     fn foot_derivatives(&self, element: &Element<'_>) -> Result<FootDerivatives, ElementError> {
@@ -130,6 +126,12 @@ impl Generated {
     }
 }
 
+/// The gap without derivatives.
+fn gap_of(element: &Element<'_>, values: &GapValues<f64>) -> Gap {
+    let &GapValues { gap, foot, normal, ref coefficients, .. } = values;
+    Gap { gap, foot, normal, coefficients: coefficients[..element.basis.size()].to_vec(), ..Gap::default() }
+}
+
 /// What a kernel with an anchor wrote, cut into its parts.
 fn slip_of(
     element: &Element<'_>,
@@ -143,17 +145,7 @@ fn slip_of(
         matrix.packed_mut().copy_from_slice(packed);
         matrix
     };
-    let mut slip = Slip {
-        contact: Gap {
-            gap: values.gap,
-            foot: values.foot,
-            normal: values.normal,
-            coefficients: values.coefficients[..element.basis.size()].to_vec(),
-            ..Gap::default()
-        },
-        half_square: values.slip,
-        ..Slip::default()
-    };
+    let mut slip = Slip { contact: gap_of(element, values), half_square: values.slip, ..Slip::default() };
     if mode >= Mode::Gradient {
         let (gap, rest) = gradients.split_at(freedoms);
         let (of_slip, foot_weights) = rest.split_at(freedoms + 3);
@@ -185,8 +177,7 @@ impl<K: KernelSet> GeneratedWith<K> {
         hessian: &mut [f64],
     ) -> Result<ContactPoint, ElementError> {
         validate::<K>(element)?;
-        let values = run_gap::<K>(element, mode, gradient, hessian)?;
-        Ok(ContactPoint { gap: values.gap, foot: values.foot, normal: values.normal })
+        contact_point(&run_gap::<K>(element, mode, gradient, hessian)?)
     }
 }
 

@@ -1,6 +1,7 @@
 //! The slave's place in the master's first configuration, where domains of influence stay what they are
 //! (`docs/equations.md`, \[T18\]).
 
+mod broyden;
 mod equations;
 mod search;
 

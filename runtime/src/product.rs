@@ -25,7 +25,7 @@
 
 use diffuse_contact_kernels::support::{FormRows, Isa, KernelSet, SecondKind};
 
-use crate::batch::{Asked, gap_batch};
+use crate::batch::{Asked, contact_point, gap_batch};
 use crate::kernels::{frame_rule, inputs, validate};
 use crate::weight::with_kernels;
 use crate::{BatchScratch, ContactPoint, Element, ElementError, GapSlot, Generated, GeneratedWith, Weight};
@@ -175,8 +175,7 @@ impl<K: KernelSet> GeneratedWith<K> {
         let inputs = inputs::<K>(element, [0.0; 2]);
         let values =
             K::gap_factors(K::best_isa(), kernel, SecondKind::Factors, &inputs, &mut gradient, &mut numbers);
-        ElementError::check(values.status())?;
-        let point = ContactPoint { gap: values.gap, foot: values.foot, normal: values.normal };
+        let point = contact_point(&values)?;
         Ok(GapFactors { point, gradient, hessian: HessianFactors { form, numbers } })
     }
 

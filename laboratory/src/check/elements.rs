@@ -206,28 +206,7 @@ impl RandomElement {
         let radius = 10_f64.powf(random.between(-3.0, 3.0));
         let [t1, t2, normal] = random.rotation();
         let slave: Point = std::array::from_fn(|_| radius * random.between(-CUBE, CUBE));
-        let coefficients: [f64; 6] = std::array::from_fn(|_| random.between(-COEFFICIENT, COEFFICIENT));
-        let (direction, phase) = (random.between(0.0, TAU), random.between(0.0, TAU));
-        let height = |a: f64, b: f64| {
-            let [c0, c1, c2, c3, c4, c5] = coefficients;
-            let along = direction.cos() * a + direction.sin() * b;
-            let wave = WAVE.0 * (WAVE.1 * along + phase).sin();
-            c0 + c1 * a + c2 * b + c3 * a * a + c4 * a * b + c5 * b * b + wave
-        };
-        let masters: Vec<Point> = (0..nodes)
-            .map(|node| {
-                let [a, b] = match first {
-                    FirstNode::UnderSlave if node == 0 => [0.0; 2],
-                    FirstNode::Outside if node == 0 => {
-                        let direction = random.between(0.0, TAU);
-                        [OUTSIDE * direction.cos(), OUTSIDE * direction.sin()]
-                    }
-                    _ => random.in_disc(DISC),
-                };
-                let z = height(a, b);
-                std::array::from_fn(|k| slave[k] + radius * (a * t1[k] + b * t2[k] + z * normal[k]))
-            })
-            .collect();
+        let masters = masters(nodes, first, (slave, radius), [t1, t2, normal], random);
         let point = random.in_disc(POINT_DISC).map(|x| radius * x);
         let anchor = std::array::from_fn(|k| slave[k] + radius * random.between(-POINT_DISC, POINT_DISC));
         let held = Place { slave, frame: Frame::given(slave, t1, t2, normal, None)? };
@@ -275,6 +254,38 @@ impl RandomElement {
             conditioning: [unknown; 3],
         })
     }
+}
+
+/// Nodes of a curved and wavy surface around the slave.
+fn masters(
+    nodes: usize,
+    first: FirstNode,
+    (slave, radius): (Point, f64),
+    [t1, t2, normal]: [Point; 3],
+    random: &mut Random,
+) -> Vec<Point> {
+    let coefficients: [f64; 6] = std::array::from_fn(|_| random.between(-COEFFICIENT, COEFFICIENT));
+    let (direction, phase) = (random.between(0.0, TAU), random.between(0.0, TAU));
+    let height = |a: f64, b: f64| {
+        let [c0, c1, c2, c3, c4, c5] = coefficients;
+        let along = direction.cos() * a + direction.sin() * b;
+        let wave = WAVE.0 * (WAVE.1 * along + phase).sin();
+        c0 + c1 * a + c2 * b + c3 * a * a + c4 * a * b + c5 * b * b + wave
+    };
+    (0..nodes)
+        .map(|node| {
+            let [a, b] = match first {
+                FirstNode::UnderSlave if node == 0 => [0.0; 2],
+                FirstNode::Outside if node == 0 => {
+                    let direction = random.between(0.0, TAU);
+                    [OUTSIDE * direction.cos(), OUTSIDE * direction.sin()]
+                }
+                _ => random.in_disc(DISC),
+            };
+            let z = height(a, b);
+            std::array::from_fn(|k| slave[k] + radius * (a * t1[k] + b * t2[k] + z * normal[k]))
+        })
+        .collect()
 }
 
 /// First positions of nodes, and ellipsoids around them.

@@ -78,13 +78,18 @@ pub(super) fn slip<W: RadialWeight>(
     let coordinates: Vec<Point> = coordinates_of(element).into_iter().chain([anchor]).collect();
     let mut slip = differentiate_at(&SlipQuantity(quantity), &coordinates, radius, mode)?;
     slip.scale(0, radius, 2)?;
-    Ok(Slip {
+    Ok(slip_of(contact, slip, foot_weights))
+}
+
+/// Of the derivatives of q.
+pub(super) fn slip_of(contact: Gap, q: Derivatives, foot_weights: Vec<f64>) -> Slip {
+    Slip {
         contact,
-        half_square: slip.values[0],
-        gradient: slip.gradients.into_iter().next().unwrap_or_default(),
-        hessian: slip.hessians.into_iter().next().unwrap_or_default(),
+        half_square: q.values[0],
+        gradient: q.gradients.into_iter().next().unwrap_or_default(),
+        hessian: q.hessians.into_iter().next().unwrap_or_default(),
         foot_weights,
-    })
+    }
 }
 
 /// [`Backend::foot_derivatives`](crate::Backend::foot_derivatives).

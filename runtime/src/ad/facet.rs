@@ -7,6 +7,7 @@
 use num_dual::Dual;
 
 use super::drive::{Quantity, differentiate_at};
+use super::evaluate::slip_of;
 use super::linear::{Scalar, determinant, inverse};
 use super::{Ad, finite};
 use crate::kernels::check_anchor;
@@ -111,13 +112,7 @@ impl Ad {
         let mut slip = differentiate_at(&SlipQuantity(distance), &coordinates, size, mode)?;
         slip.scale(0, size, 2)?;
         let foot_weights = if mode > Mode::Value { shape_functions(element, natural) } else { Vec::new() };
-        Ok(Slip {
-            contact,
-            half_square: slip.values[0],
-            gradient: slip.gradients.into_iter().next().unwrap_or_default(),
-            hessian: slip.hessians.into_iter().next().unwrap_or_default(),
-            foot_weights,
-        })
+        Ok(slip_of(contact, slip, foot_weights))
     }
 
     /// Gap, foot, normal and natural coordinates on a facet, without derivatives.

@@ -28,35 +28,8 @@ pub(super) fn fit<D: Scalar, W: RadialWeight>(
     }
     let epsilon = weight.complement_at_square(s_k) / weight.at_square(s_k);
 
-    // S₀, Σ w z, and with p = (a, b, a², ab, b²) about the pole Σ w p, Σ w p z, Σ w p pᵀ, without the pole.
-    let (mut s_0, mut s_z) = (D::zero(), D::zero());
-    let zeros: Coefficients<D> = [D::zero(); Basis::MOST_COEFFICIENTS];
-    let (mut s_p, mut s_pz) = (zeros, zeros);
-    let mut s_pp: Matrix<D> = [zeros; Basis::MOST_COEFFICIENTS];
-    let monomials = &basis.monomials()[1..];
-    let others = monomials.len();
-    for (i, &offset) in offsets.iter().enumerate().filter(|&(i, _)| i != pole) {
-        let [a, b, z] = offset;
-        super::finite("offset", [a.re(), b.re(), z.re()])?;
-        let s = squares[i];
-        if s.re() >= 1.0 {
-            continue;
-        }
-        let w = weight.at_square(s) / weight.complement_at_square(s);
-        super::finite("weight", [w.re()])?;
-        let p = &basis_functions(basis, [a - a_k, b - b_k])[1..];
-        s_0 += w;
-        s_z += w * z;
-        for k in 0..others {
-            let weighted = w * p[k];
-            s_p[k] += weighted;
-            s_pz[k] += weighted * z;
-            for l in 0..=k {
-                s_pp[k][l] += weighted * p[l];
-            }
-        }
-    }
-
+    let others = basis.size() - 1;
+    let Sums { s_0, s_z, s_p, mut s_pz, mut s_pp } = Sums::without(pole, weight, basis, offsets, squares)?;
     let share = (epsilon * s_0 + 1.0).recip();
     let (matrix_factor, mean) = (epsilon * share, (z_k + epsilon * s_z) * share);
     let diagonals = std::array::from_fn(|k| s_pp[k][k].re());
@@ -66,21 +39,81 @@ pub(super) fn fit<D: Scalar, W: RadialWeight>(
             s_pp[k][l] -= s_p[k] * s_p[l] * matrix_factor;
         }
     }
-    let alpha = solve_cholesky(monomials, diagonals, s_pp, s_pz)?;
+    let alpha = solve_cholesky(&basis.monomials()[1..], diagonals, s_pp, s_pz)?;
     super::finite("coefficient", alpha.map(|x| x.re()))?;
     let products = (0..others).map(|k| s_p[k] * alpha[k]);
     let constant = mean - matrix_factor * products.fold(D::zero(), |sum, x| sum + x);
 
-    // From the pole to the slave: f = Σ c_mn (a − a_k)ᵐ (b − b_k)ⁿ, expanded about (0, 0).
-    let mut coefficients = zeros;
+    let about_pole = std::iter::once(constant).chain(alpha);
+    Ok(Polynomial { basis, coefficients: about_slave(basis, about_pole, [a_k, b_k]) })
+}
+
+/// The sums over all nodes but the pole; with p = (a, b, a², ab, b²) about the pole.
+struct Sums<D> {
+    /// S₀
+    s_0: D,
+    /// Σ w z
+    s_z: D,
+    /// Σ w p
+    s_p: Coefficients<D>,
+    /// Σ w p z
+    s_pz: Coefficients<D>,
+    /// Σ w p pᵀ
+    s_pp: Matrix<D>,
+}
+
+impl<D: Scalar> Sums<D> {
+    fn without<W: RadialWeight>(
+        pole: usize,
+        weight: &WeightFunction<'_, W>,
+        basis: Basis,
+        offsets: &[[D; 3]],
+        squares: &[D],
+    ) -> Result<Self, ElementError> {
+        let (zero, zeros) = (D::zero(), [D::zero(); Basis::MOST_COEFFICIENTS]);
+        let s_pp = [zeros; Basis::MOST_COEFFICIENTS];
+        let mut sums = Self { s_0: zero, s_z: zero, s_p: zeros, s_pz: zeros, s_pp };
+        let [a_k, b_k, _] = offsets[pole];
+        for (i, &offset) in offsets.iter().enumerate().filter(|&(i, _)| i != pole) {
+            let [a, b, z] = offset;
+            super::finite("offset", [a.re(), b.re(), z.re()])?;
+            let s = squares[i];
+            if s.re() >= 1.0 {
+                continue;
+            }
+            let w = weight.at_square(s) / weight.complement_at_square(s);
+            super::finite("weight", [w.re()])?;
+            let p = &basis_functions(basis, [a - a_k, b - b_k])[1..];
+            sums.s_0 += w;
+            sums.s_z += w * z;
+            for k in 0..basis.size() - 1 {
+                let weighted = w * p[k];
+                sums.s_p[k] += weighted;
+                sums.s_pz[k] += weighted * z;
+                for l in 0..=k {
+                    sums.s_pp[k][l] += weighted * p[l];
+                }
+            }
+        }
+        Ok(sums)
+    }
+}
+
+/// From the pole to the slave: f = Σ c_mn (a − a_k)ᵐ (b − b_k)ⁿ, expanded about (0, 0).
+fn about_slave<D: Scalar>(
+    basis: Basis,
+    about_pole: impl Iterator<Item = D> + Clone,
+    [a_k, b_k]: [D; 2],
+) -> Coefficients<D> {
+    let mut coefficients = [D::zero(); Basis::MOST_COEFFICIENTS];
     for (k, &(i, j)) in basis.monomials().iter().enumerate() {
-        let about_pole = std::iter::once(constant).chain(alpha);
-        for (c, &(m, n)) in about_pole.zip(basis.monomials()).filter(|(_, (m, n))| *m >= i && *n >= j) {
+        let terms = about_pole.clone().zip(basis.monomials());
+        for (c, &(m, n)) in terms.filter(|(_, (m, n))| *m >= i && *n >= j) {
             let choices = binomial(m, i) * binomial(n, j);
             coefficients[k] += c * (-a_k).powi(i32::from(m - i)) * (-b_k).powi(i32::from(n - j)) * choices;
         }
     }
-    Ok(Polynomial { basis, coefficients })
+    coefficients
 }
 
 fn binomial(n: u8, k: u8) -> f64 {

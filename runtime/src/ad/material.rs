@@ -10,7 +10,7 @@ use super::RadialWeight;
 use super::linear::Scalar;
 use super::model::Model;
 use super::plane::{AveragePlane, Turn};
-use crate::{Domains, ElementError, MaterialNode};
+use crate::{ElementError, MaterialNode};
 
 /// The given place may be this far, over the domains of the nodes, from the root of its equations.
 const PLACE_TOLERANCE: f64 = 1e-6;
@@ -72,25 +72,6 @@ impl Place {
     }
 }
 
-/// X_k − Ξ
-pub(super) fn nodes<'a, W>(model: &Model<'a, W>) -> &'a [MaterialNode] {
-    match model.element.domains {
-        Domains::Material(nodes) => nodes,
-        Domains::Shared | Domains::Each(_) => &[],
-    }
-}
-
-/// r² of each node where Ξ has moved by `shift`.
-pub(super) fn squares<D: Scalar, W>(model: &Model<'_, W>, shift: [D; 3]) -> Vec<D> {
-    let square = |node: &MaterialNode| {
-        let [x, y, z]: [D; 3] = std::array::from_fn(|k| -shift[k] + node.offset[k]);
-        let [xx, xy, xz, yy, yz, zz] = node.metric;
-        let along = [x * xx + y * xy + z * xz, y * yy + z * yz, z * zz];
-        along[0] * along[0] + along[1] * along[1] + along[2] * along[2]
-    };
-    nodes(model).iter().map(square).collect()
-}
-
 /// The affine fit of X_k − Ξ at the slave less the shift, and the frame it is made in.
 fn residual<D: Scalar, W: RadialWeight>(
     model: &Model<'_, W>,
@@ -98,12 +79,15 @@ fn residual<D: Scalar, W: RadialWeight>(
     coordinates: &[[D; 3]],
     shift: [D; 3],
 ) -> ([D; 3], Turn<D>) {
-    let weights: Vec<D> = squares(model, shift).into_iter().map(|square| model.fitting(square)).collect();
+    let weights: Vec<D> =
+        model.material_squares(shift).into_iter().map(|square| model.fitting(square)).collect();
     let turn = plane.propagate(&coordinates[1..], &weights);
     // Σ ω, Σ ω a, Σ ω a a, Σ ω X, Σ ω X a
     let (mut total, mut first, mut second) = (D::zero(), [D::zero(); 2], [D::zero(); 3]);
     let (mut mean, mut products) = ([D::zero(); 3], [[D::zero(); 2]; 3]);
-    for ((offset, &weight), node) in model.offsets(coordinates).into_iter().zip(&weights).zip(nodes(model)) {
+    for ((offset, &weight), node) in
+        model.offsets(coordinates).into_iter().zip(&weights).zip(model.material_nodes())
+    {
         let [a, b] = [0, 1].map(|k| turn[k][0] * offset[0] + turn[k][1] * offset[1] + turn[k][2] * offset[2]);
         total += weight;
         first[0] += weight * a;
@@ -129,7 +113,7 @@ fn residual<D: Scalar, W: RadialWeight>(
 }
 
 /// The largest r that a step in the place would be.
-fn deviation<W>(model: &Model<'_, W>, step: [f64; 3]) -> f64 {
+fn deviation<W: RadialWeight>(model: &Model<'_, W>, step: [f64; 3]) -> f64 {
     let distance = |node: &MaterialNode| MaterialNode { offset: step, ..*node }.distance();
-    nodes(model).iter().map(distance).fold(0.0, |x, y| if y <= x { x } else { y })
+    model.material_nodes().iter().map(distance).fold(0.0, |x, y| if y <= x { x } else { y })
 }

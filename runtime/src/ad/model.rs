@@ -8,8 +8,8 @@ use num_dual::Dual64;
 use super::foot::{Polynomial, basis_functions};
 use super::linear::{Scalar, solve_cholesky};
 use super::plane::Turn;
-use super::{RadialWeight, WeightFunction, material};
-use crate::{Basis, Domains, Element, ElementError};
+use super::{RadialWeight, WeightFunction};
+use crate::{Basis, Domains, Element, ElementError, MaterialNode};
 
 /// One element with the weight function in force.
 pub(super) struct Model<'a, W> {
@@ -35,10 +35,7 @@ impl<W: RadialWeight> Model<'_, W> {
     /// The fit in the given frame, which is held.
     pub(super) fn fit<D: Scalar>(&self, coordinates: &[[D; 3]]) -> Result<Polynomial<D>, ElementError> {
         let offsets = self.offsets(coordinates);
-        let squares = match self.element.domains {
-            Domains::Material(_) => material::squares(self, [D::zero(); 3]),
-            Domains::Shared | Domains::Each(_) => self.squares(&offsets),
-        };
+        let squares = self.squares(&offsets);
         self.fit_to(offsets, &squares)
     }
 
@@ -50,10 +47,7 @@ impl<W: RadialWeight> Model<'_, W> {
     ) -> Result<Polynomial<Dual64>, ElementError> {
         let mut offsets: Vec<[Dual64; 3]> =
             self.offsets(&coordinates.iter().map(|x| x.map(Dual64::from)).collect::<Vec<_>>());
-        let squares = match self.element.domains {
-            Domains::Material(_) => material::squares(self, [Dual64::from(0.0); 3]),
-            Domains::Shared | Domains::Each(_) => self.squares(&offsets),
-        };
+        let squares = self.squares(&offsets);
         offsets[k][2].eps = 1.0;
         self.fit_to(offsets, &squares)
     }
@@ -72,7 +66,7 @@ impl<W: RadialWeight> Model<'_, W> {
             *offset = turn.map(|axis| axis[0] * a + axis[1] * b + axis[2] * z);
         }
         let squares = match shift {
-            Some(shift) => material::squares(self, shift),
+            Some(shift) => self.material_squares(shift),
             None => self.squares(&offsets),
         };
         self.fit_to(offsets, &squares)
@@ -91,7 +85,7 @@ impl<W: RadialWeight> Model<'_, W> {
     /// The nodes' weights in the average plane; `coordinates` holds slave and masters.
     pub(super) fn plane_weights<D: Scalar>(&self, coordinates: &[[D; 3]]) -> Vec<D> {
         if let Domains::Material(_) = self.element.domains {
-            let squares = material::squares(self, [D::zero(); 3]);
+            let squares = self.material_squares([D::zero(); 3]);
             return squares.into_iter().map(|square| self.fitting(square)).collect();
         }
         let (slave, masters) = (coordinates[0], &coordinates[1..]);
@@ -104,8 +98,30 @@ impl<W: RadialWeight> Model<'_, W> {
         masters.iter().enumerate().map(weight).collect()
     }
 
+    /// X_k − Ξ, if domains are those of the first configuration.
+    pub(super) fn material_nodes(&self) -> &[MaterialNode] {
+        match self.element.domains {
+            Domains::Material(nodes) => nodes,
+            Domains::Shared | Domains::Each(_) => &[],
+        }
+    }
+
+    /// r² of each of them where Ξ has moved by `shift`.
+    pub(super) fn material_squares<D: Scalar>(&self, shift: [D; 3]) -> Vec<D> {
+        let square = |node: &MaterialNode| {
+            let [x, y, z]: [D; 3] = std::array::from_fn(|k| -shift[k] + node.offset[k]);
+            let [xx, xy, xz, yy, yz, zz] = node.metric;
+            let along = [x * xx + y * xy + z * xz, y * yy + z * yz, z * zz];
+            along[0] * along[0] + along[1] * along[1] + along[2] * along[2]
+        };
+        self.material_nodes().iter().map(square).collect()
+    }
+
     /// r² of nodes with these offsets, r the in-plane distance over the radius of the node's domain.
     fn squares<D: Scalar>(&self, offsets: &[[D; 3]]) -> Vec<D> {
+        if let Domains::Material(_) = self.element.domains {
+            return self.material_squares([D::zero(); 3]);
+        }
         let square = |(k, &[a, b, _]): (usize, &[D; 3])| {
             let ratio = self.element.support_radius / self.domain(k);
             (a * a + b * b) * (ratio * ratio)

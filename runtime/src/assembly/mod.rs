@@ -43,6 +43,7 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+mod active;
 mod dofs;
 mod elements;
 mod error;
@@ -52,17 +53,19 @@ mod normal;
 mod operator;
 mod pattern;
 mod single;
+mod tangent;
 mod triplets;
 
 pub use dofs::DofMap;
 pub use elements::{ContactView, ElementView, Elements, SlipView};
 pub use error::AssemblyError;
 pub use forces::add_forces;
-pub use law::{ContactLaw, Tangent};
+pub use law::ContactLaw;
 pub(crate) use normal::Table;
 pub use normal::{NormalLaw, NormalPressure, TabulatedPressure};
 pub use operator::TangentOperator;
 pub use pattern::{CsrIndex, CsrMap, CsrPattern};
+pub use tangent::Tangent;
 pub use triplets::{Triangle, Triplets};
 
 /// An empty vector with room for `count` of `what`: an error where there is no memory, not the end of the program.

@@ -209,6 +209,18 @@ impl Columns<'_> {
             f(place, back(image, value));
         }
     }
+
+    /// The slave's rows of M by `width` coordinates of the columns; `rows` is empty before.
+    fn spread_rows(&self, contact: &PointContact<'_>, width: usize, rows: &mut Vec<f64>) {
+        rows.resize(3 * width, 0.0);
+        let by_contact = contact.slave_rows.chunks_exact(contact.gradient.len());
+        for (row, own) in rows.chunks_exact_mut(width.max(1)).zip(by_contact) {
+            let row = row.as_chunks_mut::<3>().0;
+            self.spread(own, |place, by| {
+                row[place].iter_mut().zip(by).for_each(|(sum, by)| *sum += by);
+            });
+        }
+    }
 }
 
 impl FaceBlock {
@@ -252,60 +264,72 @@ impl FaceBlock {
         let columns = Columns { skin: &view.places.skin, weights, masters };
         gradient.clear();
         columns.spread(contact.gradient, |place, by| gradient.push((place, by)));
-        for (corner, &n) in functions.iter().enumerate().take(view.facet.corners().len()) {
-            let (sums, weight) = (self.gradients[corner].as_chunks_mut::<3>().0, point.weight * n);
-            for &(place, by) in &*gradient {
-                sums[place].iter_mut().zip(by).for_each(|(sum, by)| *sum += weight * by);
-            }
-        }
+        // What each corner has of the point's area.
+        let areas = functions.map(|n| point.weight * n);
+        let of_corners = &areas[..view.facet.corners().len()];
+        self.add_gradient(of_corners, gradient);
         let (direction, by_along) = direction_along(along);
         let (pressure, traction) = view.load.at(&functions);
         let (needs_hessian, is_moved) = (!self.directions.is_empty(), traction.is_some());
-        let mode = if needs_hessian || is_moved { Mode::Gradient } else { Mode::Value };
         // The direction is along ∂g/∂x of the slave: its derivatives are the slave's rows of M.
-        let width = self.gradients[0].len();
         along_by_nodes.clear();
-        along_by_nodes.resize(if needs_hessian { 3 * width } else { 0 }, 0.0);
-        let by_contact = contact.slave_rows.chunks_exact(contact.gradient.len());
-        for (row, own) in along_by_nodes.chunks_exact_mut(width.max(1)).zip(by_contact) {
-            let row = row.as_chunks_mut::<3>().0;
-            columns.spread(own, |place, by| {
-                row[place].iter_mut().zip(by).for_each(|(sum, by)| *sum += by);
-            });
+        if needs_hessian {
+            columns.spread_rows(contact, self.gradients[0].len(), along_by_nodes);
         }
-        for (sums, n) in self.normals.iter_mut().zip(functions) {
-            sums.iter_mut().zip(&*along_by_nodes).for_each(|(sum, by)| *sum += point.weight * n * by);
+        for (sums, area) in self.normals.iter_mut().zip(areas) {
+            sums.iter_mut().zip(&*along_by_nodes).for_each(|(sum, by)| *sum += area * by);
         }
         // A pressure of one, and the traction that goes with it.
         let load = traction.map_or(direction, |traction| (Vector3::from(direction) + traction).into());
+        let mode = if needs_hessian || is_moved { Mode::Gradient } else { Mode::Value };
         let Some(force) = over.carried(view.positions, x, load, mode) else {
             self.missed += 1;
             return;
         };
-        // Who carries the force: +N_a of it the nodes of the face, −N_k those of the facet.
-        for (corner, &n) in functions.iter().enumerate().take(view.facet.corners().len()) {
-            let weight = point.weight * n;
-            for &(row, own, part) in &*carriers {
-                for axis in 0..3 {
-                    // Forces are linear in a traction and a pressure that grow together, not in either of them.
-                    let by_pressure = if is_moved {
-                        let by = &force.row(3 * own + axis)[3..6];
-                        for (sums, by) in self.friction[corner].iter_mut().zip(by) {
-                            sums[3 * row + axis] += weight * part * by;
-                        }
-                        by.iter().zip(direction).map(|(by, d)| by * d).sum()
-                    } else {
-                        force.forces[own][axis]
-                    };
-                    self.forces[corner][3 * row + axis] += weight * part * by_pressure;
-                }
-            }
-        }
+        self.add_forces(of_corners, carriers, &force, is_moved.then_some(direction));
         if needs_hessian && pressure != 0.0 {
             let of_line = Line { force: &force, by_along: &by_along, along_by_nodes };
             let load = point.weight * pressure;
             let held = (&view.places.own[..], &facet[..], &point.functions);
             self.add_directions(of_line, held, carriers, load, rows);
+        }
+    }
+
+    /// Adds a point's ∂g/∂x to those of the corners, which have these areas of it.
+    fn add_gradient(&mut self, areas: &[f64], gradient: &[(usize, Point)]) {
+        for (sums, area) in self.gradients.iter_mut().zip(areas) {
+            let sums = sums.as_chunks_mut::<3>().0;
+            for &(place, by) in gradient {
+                sums[place].iter_mut().zip(by).for_each(|(sum, by)| *sum += area * by);
+            }
+        }
+    }
+
+    /// Adds a point's force to those of the corners: +N_a of it act on the nodes of the face, −N_k on those of the facet.
+    /// `direction`: of the pressure, where friction moves the line of force away from it.
+    fn add_forces(
+        &mut self,
+        areas: &[f64],
+        carriers: &[(usize, usize, f64)],
+        force: &Carried,
+        direction: Option<Point>,
+    ) {
+        for (corner, area) in areas.iter().enumerate() {
+            for &(row, own, part) in carriers {
+                for axis in 0..3 {
+                    // Forces are linear in a traction and a pressure that grow together, not in either of them.
+                    let by_pressure = if let Some(direction) = direction {
+                        let by = &force.row(3 * own + axis)[3..6];
+                        for (sums, by) in self.friction[corner].iter_mut().zip(by) {
+                            sums[3 * row + axis] += area * part * by;
+                        }
+                        by.iter().zip(direction).map(|(by, d)| by * d).sum()
+                    } else {
+                        force.forces[own][axis]
+                    };
+                    self.forces[corner][3 * row + axis] += area * part * by_pressure;
+                }
+            }
         }
     }
 

@@ -157,11 +157,8 @@ pub fn cut(
         found += area(piece);
         for (place, weight) in rule_on(piece, rule(facet)) {
             let x = view.point(place);
-            let Some(on_face) = carried(face, x.into(), view.normal.into(), Mode::Value) else { continue };
             let Some(height) = height_over(&shape, x, view.normal) else { continue };
-            let natural = on_face.natural;
-            let seen = face.area_element(natural).dot(&view.normal);
-            let weight = weight * first.area_element(natural).norm() / seen;
+            let Some((natural, weight)) = on_face(face, first, view.normal, (x, weight)) else { continue };
             let is_near = height.abs() <= limit && height >= -deepest;
             if is_near && weight.is_finite() && weight > 0.0 {
                 let Some(functions) = functions(natural) else {
@@ -174,21 +171,45 @@ pub fn cut(
         }
         layers.push(Layer { facet, over, deepest });
     }
-    // Where layers of the master lie over one another, the nearest carries.
     if found > own * (1.0 + OVERLAP) {
         let all = points.split_off(start);
-        points.extend(all.into_iter().zip(places).filter_map(|(point, (place, distance))| {
-            let is_hidden = layers.iter().any(|&Layer { facet: other, ref over, deepest }| {
-                other != point.facet
-                    && contains(over, place)
-                    && height_over(&index.shape(other), view.point(place), view.normal).is_some_and(
-                        |height| height >= -deepest && (height.abs(), other) < (distance, point.facet),
-                    )
-            });
-            (!is_hidden).then_some(point)
-        }));
+        points.extend(
+            all.into_iter()
+                .zip(places)
+                .filter(|&(ref point, seen)| is_nearest(point.facet, seen, layers, index, &view))
+                .map(|(point, _)| point),
+        );
     }
     unplaced
+}
+
+/// Whether no other facet lies between a point and its facet: where layers of the master lie over one another, the nearest carries.
+fn is_nearest(
+    facet: u32,
+    (place, distance): ([f64; 2], f64),
+    layers: &[Layer],
+    index: &SurfaceIndex<'_>,
+    view: &View,
+) -> bool {
+    let is_before = |&Layer { facet: other, ref over, deepest }: &Layer| {
+        other != facet
+            && contains(over, place)
+            && height_over(&index.shape(other), view.point(place), view.normal)
+                .is_some_and(|height| height >= -deepest && (height.abs(), other) < (distance, facet))
+    };
+    !layers.iter().any(is_before)
+}
+
+/// Where a point with an area as it is seen along the normal is on its face, and its area in the first configuration.
+fn on_face(
+    face: &Shape,
+    first: &Shape,
+    normal: Vector3,
+    (x, area): (Vector3, f64),
+) -> Option<([f64; 2], f64)> {
+    let natural = carried(face, x.into(), normal.into(), Mode::Value)?.natural;
+    let seen = face.area_element(natural).dot(&normal);
+    Some((natural, area * first.area_element(natural).norm() / seen))
 }
 
 /// How far a facet is from a point along the normal of the point's face: negative where the point lies below the facet.

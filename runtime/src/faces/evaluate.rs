@@ -7,8 +7,8 @@ use rayon::prelude::*;
 use super::block::{FaceBlock, FaceLoad, FacePlaces, FaceView, PointContact, PointScratch};
 use super::contacts::{DirectionBlock, FaceContacts, FrictionBlock, NodeBlock, NodeContact};
 use super::cut::FacePoint;
-use super::friction::Track;
 use super::friction::Traction;
+use super::track::Track;
 use super::{FaceCut, FaceInterface, sort};
 use crate::Mode;
 use crate::assembly::ContactLaw;
@@ -103,32 +103,42 @@ impl FaceInterface {
                 }
             }
         })?;
-        for (k, (node, area)) in nodes.iter_mut().zip(&self.areas).enumerate() {
-            let unknown = self.window.as_ref().and_then(|window| window.of_node(k, &self.around[k]));
-            if let Some(reason) = unknown {
-                *node = NodeContact::without(node.slave, reason);
-                continue;
-            }
-            if !(node.area > SMALLEST_AREA * area) {
-                let outcome = match node.outcome {
-                    Outcome::Contact { .. } => {
-                        Outcome::None(NoContact::NothingOver { limit: self.limit_around(k) })
-                    }
-                    reason => reason,
-                };
-                *node = NodeContact { outcome, gap: 0.0, area: 0.0, normal: [0.0; 3], ..*node };
-                continue;
-            }
-            if let Some(normal) = normals.get_mut(k) {
-                *normal = *normal / node.area;
-            }
-            node.gap /= node.area;
-            let normal = Vector3::from(node.normal).try_normalize().filter(Vector3::is_finite);
-            node.normal = normal.unwrap_or_default().into();
-            let normal_force = law.checked_normal_force(k, node.gap, 1.0)?;
-            (node.pressure, node.stiffness) = (normal_force.force, normal_force.stiffness);
+        for (k, node) in nodes.iter_mut().enumerate() {
+            *node = self.average(k, *node, normals.get_mut(k), law)?;
         }
         Ok(Averages { nodes, normals, is_contact })
+    }
+
+    /// The average at a node from the sums over its points, and its pressure. `normal`: the sum of ∂g/∂x.
+    fn average(
+        &self,
+        k: usize,
+        sums: NodeContact,
+        normal: Option<&mut Vector3>,
+        law: &ContactLaw<'_>,
+    ) -> Result<NodeContact, InterfaceError> {
+        let unknown = self.window.as_ref().and_then(|window| window.of_node(k, &self.around[k]));
+        if let Some(reason) = unknown {
+            return Ok(NodeContact::without(sums.slave, reason));
+        }
+        if !(sums.area > SMALLEST_AREA * self.areas[k]) {
+            let outcome = match sums.outcome {
+                Outcome::Contact { .. } => {
+                    Outcome::None(NoContact::NothingOver { limit: self.limit_around(k) })
+                }
+                reason => reason,
+            };
+            return Ok(NodeContact { outcome, gap: 0.0, area: 0.0, normal: [0.0; 3], ..sums });
+        }
+        if let Some(normal) = normal {
+            *normal = *normal / sums.area;
+        }
+        let gap = sums.gap / sums.area;
+        let normal = Vector3::from(sums.normal).try_normalize().filter(Vector3::is_finite);
+        let normal = normal.unwrap_or_default().into();
+        let normal_force = law.checked_normal_force(k, gap, 1.0)?;
+        let (pressure, stiffness) = (normal_force.force, normal_force.stiffness);
+        Ok(NodeContact { gap, normal, pressure, stiffness, ..sums })
     }
 
     /// Forces and tangents of the faces around nodes that carry pressure. `earlier`: what was found before, for its memory.
@@ -201,6 +211,23 @@ impl FaceInterface {
             .collect()
     }
 
+    fn view(&self, face: usize, load: FaceLoad) -> FaceView<'_> {
+        let (FaceCut { rows, columns, .. }, carrying) = (&self.cuts[face], &self.carriers.faces[face]);
+        FaceView {
+            facet: &self.faces[face],
+            shape: shape_of(&self.faces[face], &self.positions),
+            carrying,
+            positions: &self.positions,
+            skin: &self.skin,
+            interface: &self.interface,
+            face,
+            rows,
+            columns,
+            load,
+            places: FacePlaces::new(&self.skin, face, carrying, rows, columns),
+        }
+    }
+
     /// The sums of consecutive faces.
     fn blocks(
         &self,
@@ -209,28 +236,7 @@ impl FaceInterface {
         (loads, is_contact): (&[FaceLoad], &[bool]),
         memory: &Mutex<Vec<Vec<f64>>>,
     ) -> Result<Vec<FaceBlock>, InterfaceError> {
-        let views: Vec<FaceView<'_>> = faces
-            .iter()
-            .map(|&k| FaceView {
-                facet: &self.faces[k],
-                shape: shape_of(&self.faces[k], &self.positions),
-                carrying: &self.carriers.faces[k],
-                positions: &self.positions,
-                skin: &self.skin,
-                interface: &self.interface,
-                face: k,
-                rows: &self.cuts[k].rows,
-                columns: &self.cuts[k].columns,
-                load: loads[k],
-                places: FacePlaces::new(
-                    &self.skin,
-                    k,
-                    &self.carriers.faces[k],
-                    &self.cuts[k].rows,
-                    &self.cuts[k].columns,
-                ),
-            })
-            .collect();
+        let views: Vec<FaceView<'_>> = faces.iter().map(|&k| self.view(k, loads[k])).collect();
         let mut blocks: Vec<FaceBlock> =
             views.iter().map(|view| FaceBlock::new(view, mode, memory)).collect();
         let mut scratch = PointScratch::default();
@@ -342,29 +348,36 @@ impl FaceInterface {
                 }
             }
         }
-        if let (Some(friction), Some(traction), Some(track)) = (&mut sums.friction, traction, track) {
-            // The chain rule: the traction by pressure, normal and way; those by the nodes.
-            for (i, row) in friction.gradients.iter_mut().enumerate() {
-                let by_gap = -node.stiffness * traction.by_pressure[i];
-                row.iter_mut().zip(&sums.gradient).for_each(|(sum, by)| *sum += by_gap * by);
-                if turns {
-                    let row = &mut friction.turning[i];
-                    *row = of(sums.columns.len());
-                    for (factor, by) in traction.by_normal[i].iter().zip(&normals) {
-                        row.iter_mut().zip(by).for_each(|(sum, by)| *sum += factor * by);
-                    }
+        if let (Some(traction), Some(track)) = (traction, track) {
+            sums.derive_friction(traction, track, &normals);
+        }
+        sums
+    }
+}
+
+impl NodeBlock {
+    /// The chain rule: the traction by pressure, normal and way; those by the nodes. `normals`: ∂n/∂x, if the tangent needs it.
+    fn derive_friction(&mut self, traction: &Traction, track: &Track, normals: &[Vec<f64>]) {
+        let Some(friction) = &mut self.friction else { return };
+        for (i, row) in friction.gradients.iter_mut().enumerate() {
+            let by_gap = -self.stiffness * traction.by_pressure[i];
+            row.iter_mut().zip(&self.gradient).for_each(|(sum, by)| *sum += by_gap * by);
+            if !normals.is_empty() {
+                let row = &mut friction.turning[i];
+                *row = vec![0.0; 3 * self.columns.len()];
+                for (factor, by) in traction.by_normal[i].iter().zip(normals) {
+                    row.iter_mut().zip(by).for_each(|(sum, by)| *sum += factor * by);
                 }
-                for (node, weight) in track.terms() {
-                    let Ok(place) = sums.columns.binary_search(&node) else {
-                        unreachable!("columns have all nodes of the history")
-                    };
-                    for axis in 0..3 {
-                        row[3 * place + axis] += weight * traction.by_way[i][axis];
-                    }
+            }
+            for (node, weight) in track.terms() {
+                let Ok(place) = self.columns.binary_search(&node) else {
+                    unreachable!("columns have all nodes of the history")
+                };
+                for axis in 0..3 {
+                    row[3 * place + axis] += weight * traction.by_way[i][axis];
                 }
             }
         }
-        sums
     }
 }
 

@@ -69,6 +69,7 @@ mod points;
 mod product;
 mod quadratic;
 mod skin;
+mod track;
 mod window;
 
 pub use contacts::{FaceContacts, NodeContact, TangentBlock};
@@ -82,9 +83,9 @@ use rayon::prelude::*;
 
 use cut::{CutScratch, Cutting, FacePoint, cut};
 use evaluate::Averages;
-use friction::Track;
 use quadratic::{Carriers, Carrying};
 use skin::Skin;
+use track::Track;
 use window::FaceWindow;
 
 use crate::assembly::ContactLaw;

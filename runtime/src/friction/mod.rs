@@ -20,15 +20,20 @@
 //! q does not change under rigid motions of slave, masters and anchor together: the forces balance, and so do their moments.
 
 mod coefficient;
+mod error;
+mod force;
 
 use diffuse_contact_kernels::{coulomb, coulomb_sliding, traction, traction_sliding};
 
 pub use coefficient::{CoefficientValue, DecayingCoefficient, FrictionCoefficient, TabulatedCoefficient};
+pub use error::FrictionError;
+pub(crate) use force::{FaceTraction, Sliding};
+pub use force::{FrictionForce, FrictionState, NormalForce};
 
 use coefficient::{AtRate, SlipRate};
 
 use crate::vector::Vector3;
-use crate::{ElementError, Mode, Point, Slip};
+use crate::{Mode, Point};
 
 /// Coulomb's law with a penalty for stick.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -65,113 +70,6 @@ impl PartialEq for Coefficient<'_> {
             _ => false,
         }
     }
-}
-
-/// What a contact with friction does.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
-pub enum FrictionState {
-    /// No pressure, or no history yet: no friction.
-    #[default]
-    Open,
-    /// The traction is below μ p.
-    Stick,
-    /// The traction is μ p, against the slip.
-    Slip,
-}
-
-impl FrictionState {
-    /// Name in results.
-    #[must_use]
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::Open => "open",
-            Self::Stick => "stick",
-            Self::Slip => "slip",
-        }
-    }
-}
-
-/// A coefficient or a stiffness that is none.
-#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
-#[non_exhaustive]
-pub enum FrictionError {
-    /// μ is negative or not a number.
-    #[error("the coefficient of friction has to be a number that is not negative, not {value}")]
-    InvalidCoefficient {
-        /// μ.
-        value: f64,
-    },
-    /// ε_T is not positive.
-    #[error("the tangential stiffness has to be a positive number, not {value}")]
-    InvalidStiffness {
-        /// ε_T.
-        value: f64,
-    },
-    /// The duration of a step is not positive.
-    #[error("the duration of a step has to be a positive number, not {value}")]
-    InvalidDuration {
-        /// Δt.
-        value: f64,
-    },
-    /// The decay of a coefficient is negative or not a number.
-    #[error("the decay of the coefficient of friction has to be a number that is not negative, not {value}")]
-    InvalidDecay {
-        /// β.
-        value: f64,
-    },
-    /// Numbers that are no table.
-    #[error("number {place} of the table is not finite, does not ascend, is missing or too many")]
-    InvalidTable {
-        /// The place of the first such number, in pressures, rates and coefficients one after another.
-        place: usize,
-    },
-    /// τ is not positive.
-    #[error("the shear limit has to be a positive number, not {value}")]
-    InvalidShearLimit {
-        /// τ.
-        value: f64,
-    },
-}
-
-impl FrictionError {
-    /// Short name, as in results.
-    #[must_use]
-    pub const fn code(&self) -> &'static str {
-        match self {
-            Self::InvalidCoefficient { .. } => "invalid-friction-coefficient",
-            Self::InvalidStiffness { .. } => "invalid-friction-stiffness",
-            Self::InvalidShearLimit { .. } => "invalid-shear-limit",
-            Self::InvalidDuration { .. } => "invalid-duration",
-            Self::InvalidDecay { .. } => "invalid-decay",
-            Self::InvalidTable { .. } => "invalid-table",
-        }
-    }
-}
-
-/// The normal force of a contact and how it depends on the gap.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct NormalForce {
-    /// p ≥ 0, force.
-    pub force: f64,
-    /// −∂p/∂g ≥ 0, force per length: ε.
-    pub stiffness: f64,
-}
-
-/// The friction of one contact: the factor c of R = −c ∇q, and its derivatives.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct FrictionForce {
-    /// Stick, slip or neither.
-    pub state: FrictionState,
-    /// c, force per length.
-    pub factor: f64,
-    /// ∂c/∂q, force per length³.
-    pub factor_by_half_square: f64,
-    /// ∂c/∂g, force per length².
-    pub factor_by_gap: f64,
-    /// w, the part of the slip since the place of touch.
-    pub share: f64,
-    /// Part of the slip that remains behind the slave when the step is accepted, 1 − θ = c/ε_T; 1 in stick.
-    pub kept: f64,
 }
 
 /// Whether it is one.
@@ -434,116 +332,6 @@ impl<'a> Coulomb<'a> {
 
     const fn is_constant(&self) -> bool {
         matches!(self.coefficient, Coefficient::Constant(_))
-    }
-}
-
-/// The friction of a node of the faces.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct FaceTraction {
-    /// P_n d, length.
-    pub slip: Point,
-    /// t_A, force per area.
-    pub traction: Point,
-    /// Its rows by way, normal and pressure, 3 × 7.
-    pub jacobian: [f64; 21],
-    pub sliding: Sliding,
-}
-
-/// What a contact does with its slip.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Sliding {
-    pub state: FrictionState,
-    /// c, force per length, with areas per area.
-    pub factor: f64,
-    /// w
-    pub share: f64,
-    /// 1 − θ
-    pub kept: f64,
-}
-
-impl Sliding {
-    /// By how much the slip since where the contact stuck is none that the traction allows, length: all of it in stick, and what is not
-    /// along the traction in slip. `elastic`: the slip that the law has.
-    pub fn error(&self, elastic: Vector3, since_stuck: Vector3) -> f64 {
-        let slid = since_stuck * self.share;
-        let along = match self.state {
-            FrictionState::Slip => elastic.try_normalize(),
-            FrictionState::Open | FrictionState::Stick => None,
-        };
-        let allowed = along.map_or(Vector3::zeros(), |along| along * along.dot(&slid).max(0.0));
-        (slid - allowed).norm()
-    }
-
-    /// As [`FrictionForce::dissipated`], with areas per area.
-    pub fn dissipated(&self, slip: f64) -> f64 {
-        match self.state {
-            FrictionState::Slip => self.factor * slip * (self.share - self.kept) * slip,
-            FrictionState::Open | FrictionState::Stick => 0.0,
-        }
-    }
-}
-
-impl FrictionForce {
-    const NONE: Self = Self {
-        state: FrictionState::Open,
-        factor: 0.0,
-        factor_by_half_square: 0.0,
-        factor_by_gap: 0.0,
-        share: 1.0,
-        kept: 1.0,
-    };
-
-    /// Work of the traction over what slid since the last step was accepted, for a slip s, energy: what the slip since the place of
-    /// touch has lost to the anchor.
-    #[must_use]
-    pub fn dissipated(&self, slip: f64) -> f64 {
-        self.sliding().dissipated(slip)
-    }
-
-    pub(crate) const fn sliding(&self) -> Sliding {
-        let Self { state, factor, share, kept, .. } = *self;
-        Sliding { state, factor, share, kept }
-    }
-
-    /// R = −c ∇q, the force on slave, masters and anchor, 3(n+2) entries.
-    #[must_use]
-    pub fn contact_force(&self, slip: &Slip) -> Vec<f64> {
-        slip.gradient.iter().map(|x| -self.factor * x).collect()
-    }
-
-    /// K = −∂R/∂x = c ∇²q + ∂c/∂q ∇q ∇qᵀ + ∂c/∂g ∇q Nᵀ, rows of 3(n+2) entries over slave, masters and anchor. The last term is not
-    /// symmetric; it is zero in stick, unless the contact has closed since the last accepted step.
-    ///
-    /// # Panics
-    /// If the slip has no Hessian.
-    #[must_use]
-    pub fn tangent(&self, slip: &Slip) -> Vec<Vec<f64>> {
-        let size = slip.gradient.len();
-        assert_eq!(slip.hessian.size(), size, "a slip with its Hessian");
-        // The gap does not depend on the anchor.
-        let by_gap = |q: usize| slip.contact.gradient.get(q).copied().unwrap_or(0.0);
-        let entry = |p: usize, q: usize| {
-            let [own, other] = [p, q].map(|p| slip.gradient[p]);
-            self.tangent_entry([own, other], slip.hessian.get(p, q), by_gap(q))
-        };
-        (0..size).map(|p| (0..size).map(|q| entry(p, q)).collect()).collect()
-    }
-
-    /// Entry (p, q) of the tangent from ∇q at p and q, ∇²q at (p, q) and N at q.
-    pub(crate) fn tangent_entry(&self, [own, other]: [f64; 2], second: f64, by_gap: f64) -> f64 {
-        // The product of a pair is the same either way round: without the last term the tangent is symmetric to the last bit.
-        let symmetric = self.factor * second + self.factor_by_half_square * (own * other);
-        symmetric + self.factor_by_gap * own * by_gap
-    }
-
-    /// Whether the force and its derivatives are finite.
-    ///
-    /// # Errors
-    /// [`ElementError::Overflow`].
-    pub fn check(&self) -> Result<(), ElementError> {
-        let all = [self.factor, self.factor_by_half_square, self.factor_by_gap, self.kept];
-        let is_finite = all.iter().all(|x| x.is_finite());
-        if is_finite { Ok(()) } else { Err(ElementError::Overflow { what: "friction" }) }
     }
 }
 

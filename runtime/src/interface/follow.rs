@@ -78,16 +78,14 @@ impl ContactInterface {
         facets: Option<&[u32]>,
     ) -> Result<RefreshReport, InterfaceError> {
         // Everything that may fail comes first; nothing of `self` changes before.
-        let search = match self.options.element {
-            ContactElement::Diffuse { search, .. } if self.nodal.is_none() => search,
-            _ => SearchOptions::default(),
+        let index = self.master.at(positions)?;
+        let (search, cloud) = match self.options.element {
+            ContactElement::Diffuse { search, .. } if self.nodal.is_none() => {
+                (search, index.positions().to_vec())
+            }
+            _ => (SearchOptions::default(), Vec::new()),
         };
         let blank = RefreshScratch::new(search)?;
-        let index = self.master.at(positions)?;
-        let cloud = match self.options.element {
-            ContactElement::Diffuse { .. } if self.nodal.is_none() => index.positions().to_vec(),
-            _ => Vec::new(),
-        };
         let cloud = NearestNodes::new(cloud).map_err(InterfaceError::MasterNodes)?;
         let creases = match &self.nodal {
             Some(nodal) => nodal.creases.clone(),

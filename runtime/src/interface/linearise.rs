@@ -2,14 +2,15 @@
 
 use std::ops::Range;
 
-use diffuse_contact_kernels::support::{KernelSet, SecondKind, packed_row};
+use diffuse_contact_kernels::support::{ElementInputs, FrameRule, KernelSet, SecondKind, packed_row};
 use rayon::prelude::*;
 
 use super::contacts::Results;
 use super::evaluator::Evaluator;
 use super::fill::{CHUNK, Request};
-use super::pairings::Pairings;
+use super::pairings::{Paired, Pairings};
 use super::scratch::ElementScratch;
+use super::within_reach::WithinReach;
 use super::{ContactElement, ContactInterface, InterfaceError};
 use crate::affine::Carrier;
 use crate::batch::{Asked, GapSlot, Waiting, contact_point, evaluate};
@@ -53,7 +54,17 @@ impl Second {
         }
     }
 
-    /// The same of a facet with so many derivatives.
+    /// What kernels are asked for.
+    const fn kernels(self) -> Asked {
+        match self {
+            Self::None => Asked::Mode(Mode::Gradient),
+            Self::Hessians => Asked::Second(SecondKind::Factors),
+            Self::AtFoot => Asked::Second(SecondKind::FactorsAndFoot),
+            Self::SlaveRows => Asked::Second(SecondKind::SlaveRows),
+        }
+    }
+
+    /// The same as [`of_fit`](Self::of_fit) of a facet with so many derivatives.
     const fn of_facet(self, freedoms: usize) -> (SecondForm, usize) {
         match self {
             Self::None => (SecondForm::None, 0),
@@ -102,6 +113,17 @@ impl LinearContacts {
             numbers.resize(length, 0.0);
         }
         Ok(())
+    }
+
+    /// Gives each element its contact's numbers, and returns the contacts.
+    fn hand_out<'s>(&'s mut self, waiting: &mut [Waiting<'_, 's>]) -> &'s mut [LinearContact] {
+        let (mut gradients, mut seconds) = (&mut self.gradients[..], &mut self.seconds[..]);
+        // From the last on: what begins at one's own place is one's own.
+        for (contact, element) in self.contacts.iter().zip(waiting).rev() {
+            element.slot.gradient = gradients.split_off_mut(contact.gradient..).unwrap_or_default();
+            element.slot.hessian = seconds.split_off_mut(contact.second_start..).unwrap_or_default();
+        }
+        &mut self.contacts
     }
 }
 
@@ -177,27 +199,16 @@ impl Evaluator<'_> {
             let paired = loaded.iter().map(|&k| pairings.get(k));
             self.gather_within_reach(paired, weight, within_reach);
         }
-        let within_reach = &*within_reach;
         let mut found = LinearContacts::default();
-        let mut kernels = Vec::with_capacity(loaded.len());
+        let mut waiting: Vec<Waiting<'_, '_>> = Vec::with_capacity(loaded.len());
         let (mut gradients, mut seconds) = (0, 0);
         for (place, &index) in loaded.iter().enumerate() {
             let Ok(paired) = pairings.get(index) else { continue };
-            let (derivative, inputs) = if self.nodal.is_some() {
-                let Ok(own) = &within_reach.elements[place] else { continue };
-                let sources = within_reach.sources[own.range.clone()].iter();
-                found.points.extend(sources.map(|source| Carrier {
-                    node: paired.masters[source.listed as usize],
-                    image: source.image,
-                }));
-                (own.frame.derivative, within_reach.inputs(self.positions[paired.slave], own, weight))
-            } else {
-                let Ok(frame) = self.current_frame(&paired) else { continue };
-                found.points.extend(paired.masters.iter().map(|&node| Carrier::from(node)));
-                (frame.derivative, self.inputs(&paired, &frame, weight))
+            let Some((frame, inputs)) = self.fit(&paired, weight, (within_reach, place), &mut found.points)
+            else {
+                continue;
             };
             let (basis, points) = (paired.record.basis, inputs.masters.len());
-            let frame = frame_rule(derivative, &inputs.domains);
             let form = with_kernels!(weight, K => HessianForm::new(K::gap_form((basis, frame), points)));
             let (second, numbers) = asked.of_fit(form);
             found.contacts.push(LinearContact {
@@ -209,36 +220,22 @@ impl Evaluator<'_> {
                 second,
                 second_start: seconds,
             });
-            gradients += 3 * (points + 1);
-            seconds += numbers;
-            kernels.push((frame, basis, inputs, numbers));
-        }
-        found.allocate(gradients, seconds)?;
-        let LinearContacts { contacts, gradients, seconds, .. } = &mut found;
-        let (mut free_gradients, mut free_seconds) = (&mut gradients[..], &mut seconds[..]);
-        let mut waiting: Vec<Waiting<'_, '_>> = Vec::with_capacity(contacts.len());
-        for (contact, (frame, basis, inputs, numbers)) in contacts.iter().zip(kernels) {
-            let gradient = free_gradients.split_off_mut(..3 * (contact.points + 1)).unwrap_or_default();
-            let hessian = free_seconds.split_off_mut(..numbers).unwrap_or_default();
-            let slot = GapSlot { gradient, hessian };
             waiting.push(Waiting {
                 weight,
                 frame,
                 basis,
                 inputs,
                 has_slip: false,
-                slot,
+                slot: GapSlot::default(),
                 places: &[],
                 is_sound: true,
             });
+            gradients += 3 * (points + 1);
+            seconds += numbers;
         }
-        let asked = match asked {
-            Second::None => Asked::Mode(Mode::Gradient),
-            Second::Hessians => Asked::Second(SecondKind::Factors),
-            Second::AtFoot => Asked::Second(SecondKind::FactorsAndFoot),
-            Second::SlaveRows => Asked::Second(SecondKind::SlaveRows),
-        };
-        evaluate(&Generated, asked, &mut waiting, batch, |place, element| {
+        found.allocate(gradients, seconds)?;
+        let contacts = found.hand_out(&mut waiting);
+        evaluate(&Generated, asked.kernels(), &mut waiting, batch, |place, element| {
             // Without a result it stays a NaN, which carries no force.
             if let Ok(point) = contact_point(&element.values) {
                 contacts[place].point = point;
@@ -246,6 +243,31 @@ impl Evaluator<'_> {
         });
         drop(waiting);
         Ok(found)
+    }
+
+    /// What the kernel of a contact reads, whose points are appended. `place`: among the elements within reach.
+    fn fit<'s>(
+        &'s self,
+        paired: &Paired<'s>,
+        weight: Weight,
+        (within_reach, place): (&'s WithinReach, usize),
+        points: &mut Vec<Carrier>,
+    ) -> Option<(FrameRule, ElementInputs<'s>)> {
+        let (derivative, inputs) =
+            if self.nodal.is_some() {
+                let own = within_reach.elements[place].as_ref().ok()?;
+                let sources = within_reach.sources[own.range.clone()].iter();
+                points.extend(sources.map(|source| Carrier {
+                    node: paired.masters[source.listed as usize],
+                    image: source.image,
+                }));
+                (own.frame.derivative, within_reach.inputs(self.positions[paired.slave], own, weight))
+            } else {
+                let frame = self.current_frame(paired).ok()?;
+                points.extend(paired.masters.iter().map(|&node| Carrier::from(node)));
+                (frame.derivative, self.inputs(paired, &frame, weight))
+            };
+        Some((frame_rule(derivative, &inputs.domains), inputs))
     }
 
     /// Elements of a node and a facet, one after another.

@@ -6,13 +6,14 @@ use std::marker::PhantomData;
 
 use diffuse_contact_kernels::support::{KernelSet, Lane, Vector};
 
-use super::search::CLOSE;
 use crate::frame::{LINE_TOLERANCE, THICKNESS_TOLERANCE};
 
 /// Steps to a normal.
 const MOST_QUOTIENTS: usize = 8;
 /// Square of the sine that a normal turns by, below which it is exact after the turn: the next error goes with the third power.
 const SAME_DIRECTION: f64 = 1e-14;
+/// Nodes are close to another where each is in the domain of the other, shrunk by this factor.
+const CLOSE: f64 = 1.35;
 /// Numbers of a node: its position and its first position, both from those of the nearest one, and its metric.
 pub const VALUES: usize = 12;
 

@@ -71,6 +71,13 @@ impl Candidates {
     pub const fn are_all(&self) -> bool {
         self.beyond == f64::INFINITY
     }
+
+    /// Indices in the cloud of some of them, in ascending order.
+    pub fn sorted_nodes(&self, candidates: &[usize]) -> Vec<usize> {
+        let mut nodes: Vec<usize> = candidates.iter().map(|&k| self.nodes[k]).collect();
+        nodes.sort_unstable();
+        nodes
+    }
 }
 
 /// Offsets of candidates in their average plane, divided by the largest of them.
@@ -144,4 +151,10 @@ pub fn average_plane<F>(
 pub fn local_offset(frame: &Frame, from: Point, point: Point) -> Point {
     let offset = Vector3::from(point) - Vector3::from(from);
     frame.rows().map(|axis| offset.dot(&Vector3::from(axis)))
+}
+
+/// Components of `point − from` along t1 and t2.
+pub fn in_plane(frame: &Frame, from: Point, point: Point) -> Point2 {
+    let [a, b, _] = local_offset(frame, from, point);
+    [a, b]
 }

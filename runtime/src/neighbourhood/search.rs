@@ -1,12 +1,13 @@
 //! The search itself: candidates, layers, and the fallbacks until a set of nodes carries the fit.
 
-use super::candidates::{Candidates, Projection, Query, average_plane, local_offset};
-use super::conditioning::{Moments, Regularity, regularity};
+use super::attempts::{Attempts, Layers, Local};
+use super::candidates::{Candidates, Projection, Query, average_plane, in_plane};
+use super::conditioning::regularity;
 use super::hull::Point2;
 use super::inversion::{Peeler, Site};
 use super::{Fallback, NeighbourRule, Neighbourhood, NeighbourhoodError, Outward, SearchOptions, TOLERANCE};
 use crate::pairing::NearestNodes;
-use crate::{Basis, Frame, Point};
+use crate::{Basis, Point};
 
 /// More candidates are taken only while their heights differ by at most this fraction of their in-plane
 /// distance (a spherical cap of 53° from its middle): beyond, the surface turns away from their average plane.
@@ -18,10 +19,6 @@ const FEWEST_CANDIDATES: usize = 6;
 /// Nodes whose middle principal moment is below this fraction of the largest are too narrow for a
 /// plane, rather than too thick.
 const NARROW: f64 = 1e-6;
-/// A regular set may yet be stretched so far across the axes of its frame that the factorisation loses its digits:
-/// the relative pivots of A have to exceed this, ten times what a [`Backend`](crate::Backend) tolerates.
-const SMALLEST_PIVOT: f64 = 1e-6;
-
 /// A node that a given support radius takes in counts for regularity up to this fraction of the radius: one at the
 /// rim has next to no weight, and a fit that needs it is gone as soon as the slave moves away from it.
 const RIM: f64 = 0.9;
@@ -35,14 +32,6 @@ pub struct NeighbourSearch {
     fewer: Candidates,
     offsets: Vec<Point2>,
     peeler: Peeler,
-}
-
-/// What the layers taken so far say.
-struct Layers {
-    at_slave: Vec<usize>,
-    layers: Vec<Vec<usize>>,
-    site: Site,
-    complete: bool,
 }
 
 /// Two thirds.
@@ -229,6 +218,16 @@ impl NeighbourSearch {
         Projection::new(query, &self.candidates, &mut self.offsets).map(|projection| (projection, false))
     }
 
+    /// Those that lie on the slave, and what they say; all others are to be peeled.
+    fn start_layers(&mut self) -> (Vec<usize>, Layers) {
+        let on_slave = |[a, b]: Point2| a.hypot(b) <= TOLERANCE;
+        let offsets = self.offsets.iter().copied().enumerate();
+        self.peeler.start(offsets.filter(|&(_, x)| !on_slave(x)));
+        let members: Vec<usize> = (0..self.offsets.len()).filter(|&k| on_slave(self.offsets[k])).collect();
+        let at_slave = self.candidates.sorted_nodes(&members);
+        (members, Layers { at_slave, layers: Vec::new(), site: Site::Beyond, complete: true })
+    }
+
     /// Takes layers off the candidates until they carry the fit; `None` if it takes more candidates to tell.
     fn by_layers<F>(
         &mut self,
@@ -238,18 +237,8 @@ impl NeighbourSearch {
         most: usize,
         may_grow: bool,
     ) -> Option<Result<Neighbourhood, NeighbourhoodError>> {
-        let on_slave = |[a, b]: Point2| a.hypot(b) <= TOLERANCE;
-        let offsets = self.offsets.iter().copied().enumerate();
-        self.peeler.start(offsets.filter(|&(_, x)| !on_slave(x)));
-        let mut members: Vec<usize> =
-            (0..self.offsets.len()).filter(|&k| on_slave(self.offsets[k])).collect();
-        let mut so_far = Layers {
-            at_slave: self.sorted_nodes(&members),
-            layers: Vec::new(),
-            site: Site::Beyond,
-            complete: true,
-        };
-        let mut attempts = Attempts::default();
+        let (mut members, mut so_far) = self.start_layers();
+        let mut attempts = Attempts::new(&self.options, &self.candidates);
         while so_far.layers.len() < most && !self.peeler.is_empty() {
             let before = members.len();
             let ring = self.peeler.peel(&mut members);
@@ -257,7 +246,7 @@ impl NeighbourSearch {
             if so_far.layers.is_empty() {
                 so_far.site = Site::of(ring.free_angle);
             }
-            so_far.layers.push(self.sorted_nodes(&members[before..]));
+            so_far.layers.push(self.candidates.sorted_nodes(&members[before..]));
             if so_far.layers.len() < fewest && !self.peeler.is_empty() {
                 continue;
             }
@@ -280,16 +269,17 @@ impl NeighbourSearch {
             let rim = farthest.max(RIM * radius);
             let counted = taking_part.iter().filter(|k| length(k) <= rim);
             let regularity = regularity(counted.map(|&k| self.offsets[k]), radius);
-            let local = Local { nodes: taking_part, given_radius, plane: projection.plane };
             let extended = so_far.layers.len().saturating_sub(fewest);
-            if let Some(found) = self.attempt(query, &so_far, &local, regularity, extended, &mut attempts) {
+            let local =
+                Local { nodes: taking_part, given_radius, plane: projection.plane, regularity, extended };
+            if let Some(found) = attempts.attempt(query, &so_far, &local) {
                 return Some(Ok(found));
             }
         }
         if may_grow && so_far.layers.len() < most {
             return None;
         }
-        Some(attempts.outcome(&self.options))
+        Some(attempts.outcome())
     }
 
     /// The nearest nodes, one more at a time.
@@ -306,7 +296,7 @@ impl NeighbourSearch {
         if found < needed {
             return Err(NeighbourhoodError::NoCandidate { found, needed });
         }
-        let mut attempts = Attempts::default();
+        let mut attempts = Attempts::new(&self.options, &self.candidates);
         let mut reason = None;
         for taken in fewest.min(found)..=found {
             let (nodes, positions) = (&self.candidates.nodes[..taken], &self.candidates.positions[..taken]);
@@ -326,154 +316,23 @@ impl NeighbourSearch {
             self.peeler.start(layer.iter().map(|&k| (k, self.offsets[k].map(|x| x / farthest))));
             let so_far = Layers {
                 site: Site::of(self.peeler.largest_free_angle()),
-                at_slave: self.sorted_nodes(&at_slave),
-                layers: vec![self.sorted_nodes(&layer)],
+                at_slave: self.candidates.sorted_nodes(&at_slave),
+                layers: vec![self.candidates.sorted_nodes(&layer)],
                 complete: true,
             };
             let radius = self.options.radius_factor * farthest;
             let regularity = regularity(self.offsets.iter().copied(), radius);
             let everyone: Vec<usize> = (0..taken).collect();
-            let local = Local { nodes: &everyone, given_radius: None, plane };
             let extended = taken.saturating_sub(fewest);
-            if let Some(found) = self.attempt(query, &so_far, &local, regularity, extended, &mut attempts) {
+            let local = Local { nodes: &everyone, given_radius: None, plane, regularity, extended };
+            if let Some(found) = attempts.attempt(query, &so_far, &local) {
                 return Ok(found);
             }
         }
         match reason {
             Some(reason) if attempts.largest == 0 => Err(reason),
-            _ => attempts.outcome(&self.options),
+            _ => attempts.outcome(),
         }
-    }
-
-    /// The neighbourhood if these nodes carry the basis asked for. If they only carry the linear basis, and it may
-    /// stand in, it is kept in `attempts`.
-    fn attempt<F>(
-        &self,
-        query: &Query<'_, F>,
-        so_far: &Layers,
-        local: &Local<'_>,
-        regularity: Regularity,
-        extended: usize,
-        attempts: &mut Attempts,
-    ) -> Option<Neighbourhood> {
-        attempts.largest = attempts.largest.max(local.nodes.len());
-        attempts.best = attempts.best.max(regularity);
-        let enough = |basis: Basis| {
-            local.nodes.len() >= basis.size() && regularity.of(basis) > self.options.smallest_regularity
-        };
-        let basis = self.options.basis;
-        if enough(basis)
-            && let Some(mut found) = self.finish(query, so_far, local, basis)
-        {
-            if extended > 0 {
-                found.fallback = Fallback::Extended { by: extended };
-            }
-            return Some(found);
-        }
-        if basis != Basis::Linear
-            && self.options.linear_fallback
-            && attempts.linear.is_none()
-            && enough(Basis::Linear)
-        {
-            attempts.linear = self.finish(query, so_far, local, Basis::Linear);
-        }
-        None
-    }
-
-    /// The neighbourhood in the frame of its own nodes, if they carry the fit there too.
-    fn finish<F>(
-        &self,
-        query: &Query<'_, F>,
-        so_far: &Layers,
-        local: &Local<'_>,
-        basis: Basis,
-    ) -> Option<Neighbourhood> {
-        let nodes: Vec<usize> = local.nodes.iter().map(|&k| self.candidates.nodes[k]).collect();
-        let positions: Vec<Point> = local.nodes.iter().map(|&k| self.candidates.positions[k]).collect();
-        let unconditional = self.options.smallest_regularity < 0.0;
-        let frame = match average_plane(query, &nodes, &positions) {
-            Ok(frame) => frame,
-            Err(_) if unconditional => local.plane,
-            Err(_) => return None,
-        };
-        let offsets: Vec<Point2> = positions.iter().map(|&x| in_plane(&frame, query.slave, x)).collect();
-        let length = |k: usize| offsets[k][0].hypot(offsets[k][1]);
-        let farthest = (0..nodes.len()).map(length).fold(0.0, f64::max);
-        let support_radius = local.given_radius.unwrap_or(self.options.radius_factor * farthest);
-        if !(support_radius > 0.0 && support_radius.is_finite()) {
-            return None;
-        }
-        let regularity = regularity(offsets.iter().copied(), support_radius).of(basis);
-        let moments = Moments::new(offsets.iter().copied(), support_radius);
-        let pivot_ratio = moments.pivot_ratio(basis);
-        if !(regularity > self.options.smallest_regularity && (unconditional || pivot_ratio > SMALLEST_PIVOT))
-        {
-            return None;
-        }
-        let mut order: Vec<usize> = (0..nodes.len()).collect();
-        order.sort_unstable_by(|&i, &j| length(i).total_cmp(&length(j)).then(nodes[i].cmp(&nodes[j])));
-        Some(Neighbourhood {
-            at_slave: so_far.at_slave.clone(),
-            layers: so_far.layers.clone(),
-            nodes: order.into_iter().map(|k| nodes[k]).collect(),
-            support_radius,
-            basis,
-            frame,
-            plane: local.plane,
-            regularity,
-            condition: moments.condition(basis),
-            pivot_ratio,
-            encloses_slave: so_far.site == Site::Inside,
-            on_border: so_far.site == Site::Border
-                || (so_far.site == Site::Beyond && !so_far.at_slave.is_empty()),
-            complete: so_far.complete,
-            fallback: Fallback::None,
-        })
-    }
-
-    /// Indices in the cloud of these candidates, in ascending order.
-    fn sorted_nodes(&self, candidates: &[usize]) -> Vec<usize> {
-        let mut nodes: Vec<usize> = candidates.iter().map(|&k| self.candidates.nodes[k]).collect();
-        nodes.sort_unstable();
-        nodes
-    }
-}
-
-/// A set of candidates that may become a neighbourhood.
-struct Local<'a> {
-    /// Which candidates.
-    nodes: &'a [usize],
-    /// The support radius, where it does not follow from the nodes.
-    given_radius: Option<f64>,
-    /// The plane of the candidates.
-    plane: Frame,
-}
-
-/// The sets tried so far.
-#[derive(Default)]
-struct Attempts {
-    /// The first that carries the linear basis, if that may stand in.
-    linear: Option<Neighbourhood>,
-    /// Size of the largest.
-    largest: usize,
-    /// The best regularity.
-    best: Regularity,
-}
-
-impl Attempts {
-    /// The linear fallback, or why there is none.
-    fn outcome(self, options: &SearchOptions) -> Result<Neighbourhood, NeighbourhoodError> {
-        if let Some(found) = self.linear {
-            let fallback = Fallback::Linear { quadratic_regularity: self.best.quadratic };
-            return Ok(Neighbourhood { fallback, ..found });
-        }
-        let basis = if options.linear_fallback { Basis::Linear } else { options.basis };
-        Err(NeighbourhoodError::IllConditioned {
-            nodes: self.largest,
-            basis,
-            regularity: self.best.of(basis),
-            wanted: options.smallest_regularity,
-        })
     }
 }
 
@@ -510,10 +369,4 @@ pub fn hull_layers(
     // Everything is more regular than this.
     let unconditional = SearchOptions { smallest_regularity: f64::NEG_INFINITY, ..options };
     NeighbourSearch::unchecked(unconditional).find(&nodes, slave, outward)
-}
-
-/// Components of `point − from` along t1 and t2.
-fn in_plane(frame: &Frame, from: Point, point: Point) -> Point2 {
-    let [a, b, _] = local_offset(frame, from, point);
-    [a, b]
 }

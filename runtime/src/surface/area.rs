@@ -1,6 +1,7 @@
 //! The area that belongs to each node of a faceted surface.
 
-use super::topology::{check_facets, shape_of};
+use super::checks::check_facets;
+use super::shape::shape_of;
 use super::{Facet, Shape, SurfaceError};
 use crate::Point;
 

@@ -1,8 +1,10 @@
 //! Whether fits are well conditioned, and how large domains have to be for that (`docs/equations.md`, [T14]).
 
-use super::domains::{Carried, SMALLEST_SINGULAR_VALUE};
+use super::sheets::Carried;
 use crate::Weight;
 
+/// What the fits at the centres have to reach; 0.25 is out of reach for one-sided fits.
+pub(crate) const SMALLEST_SINGULAR_VALUE: f64 = 0.13;
 /// Factors are tried in steps of this one, then halved in between so many times.
 const STEP: f64 = 1.04;
 const BISECTIONS: usize = 8;

@@ -5,8 +5,9 @@ use rayon::prelude::*;
 use rstar::primitives::{GeomWithData, Rectangle};
 use rstar::{AABB, RTree, SelectionFunction};
 
+use super::checks::LARGEST;
 use super::shape::Foot;
-use super::topology::{LARGEST, NONE};
+use super::topology::NONE;
 use super::{MasterSurface, Shape};
 use crate::Point;
 

@@ -30,12 +30,17 @@
 
 mod area;
 mod border;
+mod cells;
+mod checks;
 mod conditioning;
 mod domains;
 mod error;
+mod fits;
 mod index;
+mod lists;
 mod own;
 mod shape;
+mod sheets;
 mod symmetry;
 mod topology;
 mod trim;
@@ -50,13 +55,15 @@ pub use topology::MasterSurface;
 pub use window::{Window, WindowError};
 
 pub(crate) use border::{BorderScratch, Creases};
-pub(crate) use domains::{Carried, Demands, Listed, NodalDomains, Sheets, grown};
+pub(crate) use checks::{check_facets, check_position};
+pub(crate) use domains::{NodalDomains, grown};
+pub(crate) use fits::Demands;
 pub(crate) use index::Closest;
 pub(crate) use own::OwnSurface;
-pub(crate) use shape::{Foot, Shape};
+pub(crate) use shape::{Foot, Shape, shape_of};
+pub(crate) use sheets::{Carried, Listed, Sheets};
 pub(crate) use symmetry::{Image, Symmetry};
 pub(crate) use topology::NONE;
-pub(crate) use topology::{check_facets, check_position, shape_of};
 pub(crate) use trim::{Ratios, trimmed};
 pub(crate) use walk::Walk;
 

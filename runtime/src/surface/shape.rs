@@ -1,7 +1,7 @@
 //! One facet in space: its point at natural coordinates, its normal, and its point closest to another.
 
+use super::Facet;
 use crate::vector::Vector3;
-
 use crate::{FacetElement, Generated, Point};
 
 /// A natural coordinate this close to the end of its range lies on the edge.
@@ -18,6 +18,14 @@ pub enum Shape {
     Triangle([Vector3; 3]),
     /// Bilinear.
     Quadrilateral([Vector3; 4]),
+}
+
+/// A facet in space.
+pub(crate) fn shape_of(facet: &Facet, positions: &[Point]) -> Shape {
+    match facet {
+        Facet::Triangle(corners) => Shape::Triangle(corners.map(|node| positions[node].into())),
+        Facet::Quadrilateral(corners) => Shape::Quadrilateral(corners.map(|node| positions[node].into())),
+    }
 }
 
 /// The point of a facet closest to another point.

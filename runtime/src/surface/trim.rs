@@ -16,8 +16,9 @@ use rayon::prelude::*;
 use super::SurfaceIndex;
 use super::border::Creases;
 use super::conditioning::is_well_conditioned;
-use super::domains::{CHUNK, Carried, Centre, Scratch, Sheets, fan};
+use super::fits::{Centre, Scratch, fan};
 use super::shape::Shape;
+use super::sheets::{CHUNK, Carried, Listed, Sheets};
 use super::topology::NONE;
 use crate::vector::Vector3;
 use crate::{MaterialDomain, Weight};
@@ -46,22 +47,25 @@ pub(crate) struct Ratios {
 }
 
 impl Sheets<'_> {
-    /// By place among the nodes whether a crowded place on these facets is served by it, in parallel.
-    pub fn crowded(&self, domains: &[MaterialDomain], facets: &[u32]) -> Vec<bool> {
+    /// By place among the nodes whether a crowded place on these facets is served by it, and the lists of the facets, in parallel.
+    pub fn crowded(&self, domains: &[MaterialDomain], facets: &[u32]) -> (Vec<bool>, Vec<Vec<Listed>>) {
         let crowded = Marks::none(self.index.surface().nodes().len());
         let extents: Vec<f64> = domains.par_iter().map(MaterialDomain::extent).collect();
-        facets.par_iter().with_min_len(CHUNK).for_each_init(Scratch::default, |scratch, &facet| {
-            scratch.take_listed(self, (domains, &extents), facet);
-            if scratch.around().len() > CROWD {
+        let of_facet = |scratch: &mut Scratch, &facet: &u32| {
+            let listed = scratch.take_listed(self, (domains, &extents), facet);
+            let around = scratch.around();
+            if around.len() > CROWD {
                 for place in places(self.index, self.creases, facet) {
-                    let served = || scratch.around().iter().filter(|(_, domain)| domain.reaches(place.point));
+                    let served = || around.iter().filter(|(_, domain)| domain.reaches(place.point));
                     if served().count() > CROWD {
                         served().for_each(|(node, _)| crowded.mark(*node));
                     }
                 }
             }
-        });
-        crowded.get()
+            listed
+        };
+        let lists = facets.par_iter().with_min_len(CHUNK).map_init(Scratch::default, of_facet).collect();
+        (crowded.get(), lists)
     }
 
     /// By how much domains can shrink as far as the places on these facets go, in parallel. Of nodes that are not asked for, ratios may

@@ -61,22 +61,7 @@ pub(super) fn part(name: &str, section: &Section) -> Result<PartEntry, DeckError
     if name.is_empty() || name.contains('.') {
         return Err(section.error(Problem::Part { part: name.into(), error: invalid }));
     }
-    let source = match (section.get("shape"), section.get("file")) {
-        (Some(shape), None) => shaped(name, section, &shape)?,
-        (None, Some(file)) => from_file(section, &file)?,
-        (Some(shape), Some(_)) => {
-            let field = shape.name().into();
-            return Err(shape.error(Problem::Meaningless { field, reason: "beside file" }));
-        }
-        (None, None) => {
-            // A misspelt field comes before a missing one.
-            let every = schema::SHAPES.iter().flat_map(|(_, fields)| fields.iter());
-            let own = schema::FILE.iter().chain(schema::SOLID_SHAPE);
-            let known: Vec<&str> = schema::PART.iter().chain(own).chain(every).copied().collect();
-            section.clone().expect(&known)?;
-            return Err(section.incomplete("either a shape or a file"));
-        }
-    };
+    let source = source(name, section)?;
     let rigid = match &source {
         PartSource::Shape(shape) => shape.is_rigid(),
         PartSource::Solid { .. } => false,
@@ -190,6 +175,26 @@ fn shaped(part: &str, section: &Section, shape: &Field) -> Result<PartSource, De
 }
 
 /// `name` is one of [`schema::SHAPES`].
+/// What the part is made of.
+fn source(name: &str, section: &Section) -> Result<PartSource, DeckError> {
+    match (section.get("shape"), section.get("file")) {
+        (Some(shape), None) => shaped(name, section, &shape),
+        (None, Some(file)) => from_file(section, &file),
+        (Some(shape), Some(_)) => {
+            let field = shape.name().into();
+            Err(shape.error(Problem::Meaningless { field, reason: "beside file" }))
+        }
+        (None, None) => {
+            // A misspelt field comes before a missing one.
+            let every = schema::SHAPES.iter().flat_map(|(_, fields)| fields.iter());
+            let own = schema::FILE.iter().chain(schema::SOLID_SHAPE);
+            let known: Vec<&str> = schema::PART.iter().chain(own).chain(every).copied().collect();
+            section.clone().expect(&known)?;
+            Err(section.incomplete("either a shape or a file"))
+        }
+    }
+}
+
 fn read_shape(name: &str, section: &ShapeSection) -> Result<Shape, DeckError> {
     Ok(match name {
         "pipe" => Shape::Pipe(Pipe {

@@ -223,6 +223,26 @@ impl Watcher for Progress {
             record.active,
             record.max_penetration
         ));
+        self.tell_warnings(record);
+        self.control()
+    }
+}
+
+/// What decided that an increment is in equilibrium: the residual, force, beside what it may be by both tolerances, or the rounding of
+/// the positions that makes it larger.
+fn decision(last: &IterationRecord) -> String {
+    let IterationRecord { residual, allowed, .. } = last;
+    let why = if residual > allowed { "rounding of positions; " } else { "" };
+    format!("residual {residual:.1e} ({why}allowed {allowed:.1e})")
+}
+
+impl Progress {
+    fn control(&self) -> Control {
+        if self.stop.load(Ordering::SeqCst) { Control::Stop } else { Control::Continue }
+    }
+
+    /// Tells what of an increment is to be looked at.
+    fn tell_warnings(&mut self, record: &IncrementRecord) {
         if record.is_short {
             say("  warning: the rounds of augmentation are over, the tolerance is not met");
         }
@@ -274,21 +294,6 @@ impl Watcher for Progress {
                 record.unanchored()
             ));
         }
-        self.control()
-    }
-}
-
-/// What decided that an increment is in equilibrium: the residual, force, beside what it may be by both tolerances, or the rounding of
-/// the positions that makes it larger.
-fn decision(last: &IterationRecord) -> String {
-    let IterationRecord { residual, allowed, .. } = last;
-    let why = if residual > allowed { "rounding of positions; " } else { "" };
-    format!("residual {residual:.1e} ({why}allowed {allowed:.1e})")
-}
-
-impl Progress {
-    fn control(&self) -> Control {
-        if self.stop.load(Ordering::SeqCst) { Control::Stop } else { Control::Continue }
     }
 
     /// Tells of fallbacks where they are more than ever before.

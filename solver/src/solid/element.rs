@@ -336,19 +336,7 @@ impl<const N: usize, const P: usize, const Q: usize, const W: usize, const I: us
                 }
             }
         }
-        for point in 0..Q {
-            let Moved { jacobian, gradients, .. } = self.dilatation.deform(step.index, point, &corners)?;
-            let weight = self.dilatation.weights[point];
-            let volumetric = step.law.volumetric(jacobian);
-            let load = weight * jacobian * volumetric.pressure;
-            (0..N).for_each(|a| by_volume[a] += gradients[a] * load);
-            if with_tangent {
-                scratch.add_area(&gradients, load);
-                let stiffness = weight * jacobian.powi(2) * volumetric.stiffness;
-                scratch.add_dilatation::<N, W>(6 * P + point, &gradients, stiffness);
-            }
-        }
-
+        self.add_dilatation(step, &corners, &mut by_volume, with_tangent.then_some(&mut *scratch))?;
         let mean = Self::IS_MEAN.then(|| step.law.volumetric(current_volume / self.volume));
         let pressure = mean.as_ref().map_or(1.0, |mean| mean.pressure);
         for (total, (isochoric, by_volume)) in
@@ -357,11 +345,7 @@ impl<const N: usize, const P: usize, const Q: usize, const W: usize, const I: us
             *total = (isochoric + by_volume * pressure).into();
         }
         if with_tangent {
-            let mut full = scratch.product::<W>();
-            scratch.scatter::<N, W>(pressure, &mut full);
-            if I > 0 {
-                modes::condense(&mut full, 3 * (N - I)).ok_or_else(|| modes::unstable(step.index))?;
-            }
+            let full = Self::tangent(step.index, pressure, scratch)?;
             let stiffness = mean.map_or(0.0, |mean| mean.stiffness / self.volume);
             let mut entries = tangent.iter_mut();
             for i in 0..3 * (N - I) {
@@ -372,6 +356,39 @@ impl<const N: usize, const P: usize, const Q: usize, const W: usize, const I: us
             }
         }
         Ok(())
+    }
+
+    /// Adds what acts on the volume at the points of dilatation; to the tangent, too, if it is there.
+    fn add_dilatation(
+        &self,
+        step: Step<'_>,
+        corners: &[Vector3<f64>; N],
+        by_volume: &mut [Vector3<f64>; N],
+        mut tangent: Option<&mut Scratch>,
+    ) -> Result<(), SolidError> {
+        for point in 0..Q {
+            let Moved { jacobian, gradients, .. } = self.dilatation.deform(step.index, point, corners)?;
+            let weight = self.dilatation.weights[point];
+            let volumetric = step.law.volumetric(jacobian);
+            let load = weight * jacobian * volumetric.pressure;
+            (0..N).for_each(|a| by_volume[a] += gradients[a] * load);
+            if let Some(scratch) = &mut tangent {
+                scratch.add_area(&gradients, load);
+                let stiffness = weight * jacobian.powi(2) * volumetric.stiffness;
+                scratch.add_dilatation::<N, W>(6 * P + point, &gradients, stiffness);
+            }
+        }
+        Ok(())
+    }
+
+    /// The tangent with this pressure where it is a mean one; modes follow the nodes.
+    fn tangent(index: usize, pressure: f64, scratch: &Scratch) -> Result<[[f64; W]; W], SolidError> {
+        let mut full = scratch.product::<W>();
+        scratch.scatter::<N, W>(pressure, &mut full);
+        if I > 0 {
+            modes::condense(&mut full, 3 * (N - I)).ok_or_else(|| modes::unstable(index))?;
+        }
+        Ok(full)
     }
 
     fn stored_energy(&self, step: Step<'_>) -> Result<f64, SolidError> {

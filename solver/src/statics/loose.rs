@@ -127,26 +127,9 @@ fn free_motions(
     positions: &[[f64; 3]],
     nodes: &[usize],
 ) -> Vec<RigidMotion> {
-    let at = |node: usize| Vector3::from(positions[node]);
-    let centre = nodes.iter().map(|&node| at(node)).sum::<Vector3<f64>>() / nodes.len().max(1) as f64;
-    let dot = |a: &[[f64; 3]], b: &[[f64; 3]]| -> f64 {
-        nodes.iter().map(|&n| Vector3::from(a[n]).dot(&Vector3::from(b[n]))).sum()
-    };
-    let mut sizes = [0.0; 6];
-    let mut modes: [Vec<[f64; 3]>; 6] = std::array::from_fn(|_| vec![[0.0; 3]; positions.len()]);
-    for (k, mode) in modes.iter_mut().enumerate() {
-        let axis = Vector3::ith(k % 3, 1.0);
-        for &node in nodes {
-            let moved = if k < 3 { axis } else { axis.cross(&(at(node) - centre)) };
-            for i in (0..3).filter(|&i| equations.number(node, i).is_some()) {
-                mode[node][i] = moved[i];
-            }
-        }
-        sizes[k] = dot(mode, mode).sqrt();
-        // One that is held as a whole stays nothing.
-        let factor = if sizes[k] > 0.0 { 1.0 / sizes[k] } else { 0.0 };
-        mode.iter_mut().flatten().for_each(|x| *x *= factor);
-    }
+    let rigid = RigidModes::of(equations, positions, nodes);
+    let modes = &rigid.modes;
+    let dot = |a: &[[f64; 3]], b: &[[f64; 3]]| dot(nodes, a, b);
     // Where much is prescribed, modes may be the same motion of what is free.
     let mut product = vec![[0.0; 3]; positions.len()];
     let (mut gram, mut stiffness, mut largest) = (Matrix6::zeros(), Matrix6::zeros(), 0.0_f64);
@@ -176,19 +159,58 @@ fn free_motions(
     let mut free: Vec<Vector6<f64>> =
         (0..basis.ncols()).filter(is_free).map(|k| &basis * eigen.eigenvectors.column(k)).collect();
     reduce(&mut free);
-    let motion = |vector: &Vector6<f64>| {
-        let of = |k: usize| if sizes[k] > 0.0 { vector[k] / sizes[k] } else { 0.0 };
+    let extent = nodes.iter().map(|&node| (Vector3::from(positions[node]) - rigid.centre).norm());
+    let extent = extent.fold(0.0, f64::max);
+    free.iter().map(|vector| rigid.motion(vector, extent)).collect()
+}
+
+/// The product of two vectors over these nodes.
+fn dot(nodes: &[usize], a: &[[f64; 3]], b: &[[f64; 3]]) -> f64 {
+    nodes.iter().map(|&n| Vector3::from(a[n]).dot(&Vector3::from(b[n]))).sum()
+}
+
+/// The rigid motions of some nodes: three along axes, three about axes through their centre.
+struct RigidModes {
+    centre: Vector3<f64>,
+    /// What each moves the unknowns by, of length 1; nothing of one that is held as a whole.
+    modes: [Vec<[f64; 3]>; 6],
+    /// Their lengths before.
+    sizes: [f64; 6],
+}
+
+impl RigidModes {
+    fn of(equations: &Equations, positions: &[[f64; 3]], nodes: &[usize]) -> Self {
+        let at = |node: usize| Vector3::from(positions[node]);
+        let centre = nodes.iter().map(|&node| at(node)).sum::<Vector3<f64>>() / nodes.len().max(1) as f64;
+        let mut sizes = [0.0; 6];
+        let mut modes: [Vec<[f64; 3]>; 6] = std::array::from_fn(|_| vec![[0.0; 3]; positions.len()]);
+        for (k, mode) in modes.iter_mut().enumerate() {
+            let axis = Vector3::ith(k % 3, 1.0);
+            for &node in nodes {
+                let moved = if k < 3 { axis } else { axis.cross(&(at(node) - centre)) };
+                for i in (0..3).filter(|&i| equations.number(node, i).is_some()) {
+                    mode[node][i] = moved[i];
+                }
+            }
+            sizes[k] = dot(nodes, mode, mode).sqrt();
+            let factor = if sizes[k] > 0.0 { 1.0 / sizes[k] } else { 0.0 };
+            mode.iter_mut().flatten().for_each(|x| *x *= factor);
+        }
+        Self { centre, modes, sizes }
+    }
+
+    /// The motion with these parts of the modes. `extent`: of the nodes from the centre.
+    fn motion(&self, parts: &Vector6<f64>, extent: f64) -> RigidMotion {
+        let of = |k: usize| if self.sizes[k] > 0.0 { parts[k] / self.sizes[k] } else { 0.0 };
         let (along, about) = (Vector3::new(of(0), of(1), of(2)), Vector3::new(of(3), of(4), of(5)));
-        if (3..6).all(|k| vector[k].abs() < ROUNDING) {
+        if (3..6).all(|k| parts[k].abs() < ROUNDING) {
             return RigidMotion::Translation(direction(along));
         }
-        let point = centre + about.cross(&along) / about.norm_squared();
+        let point = self.centre + about.cross(&along) / about.norm_squared();
         let pitch = along.dot(&about) / about.norm_squared();
-        let extent = nodes.iter().map(|&node| (at(node) - centre).norm()).fold(0.0, f64::max);
         let pitch = if pitch.abs() < ROUNDING * extent { 0.0 } else { pitch };
         RigidMotion::Rotation { axis: direction(about), point: point.into(), pitch }
-    };
-    free.iter().map(motion).collect()
+    }
 }
 
 /// Of length 1, without what is rounding.

@@ -29,6 +29,7 @@
 //! result or their slaves went through the master, starts again with a fraction of its length; nothing of the failed try is kept. Lost
 //! contacts are accepted where there is no shorter increment, and counted. Below the smallest length the run ends with [`StaticsError::NoConvergence`]: all increments before it are valid.
 
+mod convergence;
 mod error;
 mod increment;
 mod line_search;
@@ -182,33 +183,42 @@ impl Statics {
                     let failed =
                         FailedIncrement { end, length: end - state.time, reason, history, positions };
                     observer.failed(&failed, &self.problem);
-                    if let Failure::Fatal(error) = failure {
-                        return Err(error);
-                    }
-                    // Of the failed try only its price is kept.
-                    state.iterations = iterations;
-                    state.cutbacks += 1;
-                    // The path may have turned.
-                    state.past = None;
-                    self.effort.cutbacks += 1;
-                    // The last increment may be shorter than was planned.
-                    let length = end - state.time;
-                    let control = observer.cut_back(end, length, &failure);
-                    state.length = time.cut(length);
-                    if state.length < time.minimum {
-                        return Err(StaticsError::NoConvergence {
-                            time: state.time,
-                            length,
-                            minimum: time.minimum,
-                            reason: Box::new(failure),
-                        });
-                    }
-                    if control == Control::Stop {
+                    if self.cut_back(&mut state, end, iterations, failure, observer)? == Control::Stop {
                         break;
                     }
                 }
             }
         }
         Ok(state)
+    }
+
+    /// Makes the next increment shorter, unless it would be too short. `iterations`: with those of the failed one.
+    fn cut_back(
+        &mut self,
+        state: &mut State,
+        end: f64,
+        iterations: usize,
+        failure: Failure,
+        observer: &mut dyn Observer,
+    ) -> Result<Control, StaticsError> {
+        if let Failure::Fatal(error) = failure {
+            return Err(error);
+        }
+        let time = self.settings.time;
+        // Of the failed try only its price is kept.
+        state.iterations = iterations;
+        state.cutbacks += 1;
+        // The path may have turned.
+        state.past = None;
+        self.effort.cutbacks += 1;
+        // The last increment may be shorter than was planned.
+        let length = end - state.time;
+        let control = observer.cut_back(end, length, &failure);
+        state.length = time.cut(length);
+        if state.length < time.minimum {
+            let (time, minimum, reason) = (state.time, time.minimum, Box::new(failure));
+            return Err(StaticsError::NoConvergence { time, length, minimum, reason });
+        }
+        Ok(control)
     }
 }

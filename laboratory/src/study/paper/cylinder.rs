@@ -110,7 +110,8 @@ fn samples(corners: &[usize], positions: &[[f64; 3]]) -> Vec<[f64; 3]> {
     (0..SAMPLES * SAMPLES).map(|k| point(share(k % SAMPLES), share(k / SAMPLES))).collect()
 }
 
-fn text(courses: &[Course]) -> String {
+/// How deep nodes and faces are in each step.
+fn penetrations(courses: &[Course]) -> Table {
     let columns = std::iter::once("pressure, MPa".to_owned()).chain(
         courses.iter().flat_map(|course| ["nodes", "faces"].map(|what| format!("{}: {what}", course.label))),
     );
@@ -120,6 +121,11 @@ fn text(courses: &[Course]) -> String {
         let pressure = format!("{:.0}", courses[0].steps[k].pressure);
         table.row(std::iter::once(pressure).chain(values.map(|value| format!("{value:.4}"))));
     }
+    table
+}
+
+/// The worst of all steps.
+fn summary(courses: &[Course]) -> Table {
     let mut summary = Table::new(
         "All steps",
         [
@@ -152,6 +158,11 @@ fn text(courses: &[Course]) -> String {
             course.outcome.count(),
         ]);
     }
+    summary
+}
+
+fn text(courses: &[Course]) -> String {
+    let (table, summary) = (penetrations(courses), summary(courses));
     let sagitta = RADIUS * (1.0 - 5_f64.to_radians().cos());
     let mut text = String::new();
     let _ = write!(

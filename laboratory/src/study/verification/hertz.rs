@@ -158,6 +158,11 @@ fn study(decks: &Decks, problem: &Problem) -> Result<Findings, SolveError> {
     if curves.is_empty() {
         return Ok(Findings { tables: vec![table], charts: Vec::new() });
     }
+    Ok(Findings { tables: vec![table], charts: vec![chart(problem, curves)] })
+}
+
+/// The curves with the closed form over them.
+fn chart(problem: &Problem, mut curves: Vec<Curve>) -> Chart {
     let pressures = (0..=200).map(|k| {
         let x: f64 = f64::from(k) / 200.0;
         (x, (1.0 - x * x).sqrt())
@@ -168,7 +173,7 @@ fn study(decks: &Decks, problem: &Problem) -> Result<Findings, SolveError> {
         dotted: false,
         points: pressures.collect(),
     });
-    let chart = Chart {
+    Chart {
         title: format!(
             "{}: pressure with the curved body as master, {} cells",
             problem.title,
@@ -177,8 +182,7 @@ fn study(decks: &Decks, problem: &Problem) -> Result<Findings, SolveError> {
         abscissa: "x / a",
         ordinate: "p / p₀",
         curves,
-    };
-    Ok(Findings { tables: vec![table], charts: vec![chart] })
+    }
 }
 
 /// Makes the floor an elastic block, whose nodes are the slaves: the curved body carries the contact surface.

@@ -34,7 +34,7 @@ use crate::study::error::of_deck;
 use crate::study::markdown::Table;
 use crate::threads::with_threads;
 
-use plot::Chart;
+use plot::{Chart, Curve};
 
 /// The descriptions of a master, the classic one first, and the smooth one over faces beside nodes with the same penalty.
 const SURFACES: [Way; 5] =
@@ -79,6 +79,11 @@ impl Way {
             (Contact::NodeToFacet, false) => RGBColor(213, 94, 0),
             (Contact::Diffuse | Contact::None, false) => RGBColor(0, 114, 178),
         }
+    }
+
+    fn curve(self, points: impl Iterator<Item = (f64, f64)>) -> Curve {
+        let (label, colour) = (self.name().to_owned(), self.colour());
+        Curve { label, colour, dotted: self.hull_layers, points: points.collect() }
     }
 }
 

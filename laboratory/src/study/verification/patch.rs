@@ -3,7 +3,7 @@
 use diffuse_contact::Weight;
 use diffuse_contact_solver::deck::Contact;
 use diffuse_contact_solver::solve::SolveError;
-use diffuse_contact_solver::verification::{Uniformity, trace};
+use diffuse_contact_solver::verification::{Trace, Uniformity, trace};
 
 use super::{Decks, Findings, Way, outcome, row};
 use crate::study::markdown::Table;
@@ -68,20 +68,7 @@ pub fn study(decks: &Decks) -> Result<Findings, SolveError> {
                 let run = outcome(trace(&deck, decks.base(), decks.threads, |snapshot| {
                     Uniformity::of(snapshot, AXIS, pressure)
                 }))?;
-                let figures = run.map(|run| {
-                    let last = run.measures.last();
-                    let of = |of: fn(&Uniformity) -> f64| {
-                        last.map_or_else(String::new, |last| format!("{:.1e}", of(last)))
-                    };
-                    let contact = if areas && !two_pass { of(|u| u.contact) } else { "–".to_owned() };
-                    [
-                        of(|u| u.stress),
-                        of(|u| u.stress_rms),
-                        of(|u| u.other_stress),
-                        contact,
-                        run.iterations.to_string(),
-                    ]
-                });
+                let figures = run.map(|run| figures(&run, areas && !two_pass));
                 row(
                     &mut table,
                     [
@@ -96,4 +83,12 @@ pub fn study(decks: &Decks) -> Result<Findings, SolveError> {
         }
     }
     Ok(Findings { tables: vec![table], charts: Vec::new() })
+}
+
+/// The cells of a run, with what the contact pressure is off where it can be told.
+fn figures(run: &Trace<Uniformity>, has_pressure: bool) -> [String; 5] {
+    let last = run.measures.last();
+    let of = |of: fn(&Uniformity) -> f64| last.map_or_else(String::new, |last| format!("{:.1e}", of(last)));
+    let contact = if has_pressure { of(|u| u.contact) } else { "–".to_owned() };
+    [of(|u| u.stress), of(|u| u.stress_rms), of(|u| u.other_stress), contact, run.iterations.to_string()]
 }

@@ -5,7 +5,7 @@ use diffuse_contact_solver::solve::SolveError;
 use diffuse_contact_solver::verification::{Oscillation, Trace, trace};
 
 use super::plot::{Chart, Curve};
-use super::{Decks, Findings, SURFACES, outcome, row};
+use super::{Decks, Findings, SURFACES, Way, outcome, row};
 use crate::study::markdown::Table;
 
 /// When the cylinder has come up and begins to turn, the time of the turn, and its angle, degrees.
@@ -40,35 +40,10 @@ pub fn study(decks: &Decks) -> Result<Findings, SolveError> {
                 for (chart, axis) in charts.iter_mut().zip([2, 0]) {
                     let turning = run.measures.iter().filter(|(time, _)| is_turning(*time));
                     let points = turning.map(|(time, force)| (DEGREES * (time - START) / TURN, force[axis]));
-                    chart.push(Curve {
-                        label: way.name().to_owned(),
-                        colour: way.colour(),
-                        dotted: way.hull_layers,
-                        points: points.collect(),
-                    });
+                    chart.push(way.curve(points));
                 }
             }
-            let figures = run.map(|run| {
-                let of = |axis: usize| {
-                    let turning = run.measures.iter().filter(|(time, _)| is_turning(*time));
-                    Oscillation::of(turning.map(|(_, force)| force[axis]))
-                };
-                let mean = of(2).map_or(f64::NAN, |force| force.mean);
-                let relative =
-                    [2, 0].map(|axis| of(axis).map_or(f64::NAN, |force| force.peak_to_peak() / mean));
-                let ratios = match (way.element, classic) {
-                    (Contact::NodeToFacet, _) => {
-                        classic = Some(relative);
-                        [String::new(), String::new()]
-                    }
-                    (_, Some(classic)) => [0, 1].map(|k| format!("{:.1}", classic[k] / relative[k])),
-                    (_, None) => ["–", "–"].map(str::to_owned),
-                };
-                let ([up, along], [ratio_up, ratio_along]) = (relative.map(|r| format!("{r:.2e}")), ratios);
-                let counts = [run.iterations, run.cutbacks].map(|count| count.to_string());
-                let [iterations, cutbacks] = counts;
-                [format!("{mean:.2}"), up, ratio_up, along, ratio_along, iterations, cutbacks]
-            });
+            let figures = run.map(|run| figures(&run, way, &mut classic));
             row(&mut table, [way.name(), facets], figures);
         }
     }
@@ -89,6 +64,27 @@ pub fn study(decks: &Decks) -> Result<Findings, SolveError> {
 /// Whether the run-in is over: the first increment of the turn is left out.
 fn is_turning(time: f64) -> bool {
     time > START * (1.0 + 1e-9)
+}
+
+/// The cells of a run. `classic`: both oscillations with facets, once they are known.
+fn figures(run: &Trace<Force>, way: Way, classic: &mut Option<[f64; 2]>) -> [String; 7] {
+    let of = |axis: usize| {
+        let turning = run.measures.iter().filter(|(time, _)| is_turning(*time));
+        Oscillation::of(turning.map(|(_, force)| force[axis]))
+    };
+    let mean = of(2).map_or(f64::NAN, |force| force.mean);
+    let relative = [2, 0].map(|axis| of(axis).map_or(f64::NAN, |force| force.peak_to_peak() / mean));
+    let ratios = match (way.element, *classic) {
+        (Contact::NodeToFacet, _) => {
+            *classic = Some(relative);
+            [String::new(), String::new()]
+        }
+        (_, Some(classic)) => [0, 1].map(|k| format!("{:.1}", classic[k] / relative[k])),
+        (_, None) => ["–", "–"].map(str::to_owned),
+    };
+    let ([up, along], [ratio_up, ratio_along]) = (relative.map(|r| format!("{r:.2e}")), ratios);
+    let [iterations, cutbacks] = [run.iterations, run.cutbacks].map(|count| count.to_string());
+    [format!("{mean:.2}"), up, ratio_up, along, ratio_along, iterations, cutbacks]
 }
 
 fn force(deck: &Deck, decks: &Decks) -> Result<Trace<Force>, SolveError> {

@@ -4,8 +4,8 @@ use diffuse_contact_solver::deck::{Contact, Deck};
 use diffuse_contact_solver::solve::SolveError;
 use diffuse_contact_solver::verification::{Oscillation, Trace, trace};
 
-use super::plot::{Chart, Curve};
-use super::{Decks, Findings, SURFACES, outcome, row};
+use super::plot::Chart;
+use super::{Decks, Findings, SURFACES, Way, outcome, row};
 use crate::study::markdown::Table;
 
 /// The support that turns, and its angle at the end, degrees.
@@ -40,34 +40,9 @@ pub fn study(decks: &Decks) -> Result<Findings, SolveError> {
             let run = outcome(torque(&deck, decks))?;
             if let (Ok(run), false) = (&run, exchange) {
                 let points = run.measures.iter().map(|[time, torque, _]| (DEGREES * time, torque / 1000.0));
-                curves.push(Curve {
-                    label: way.name().to_owned(),
-                    colour: way.colour(),
-                    dotted: way.hull_layers,
-                    points: points.collect(),
-                });
+                curves.push(way.curve(points));
             }
-            let figures = run.map(|run| {
-                let amplitude = Oscillation::of(run.measures.iter().map(|[_, torque, _]| *torque))
-                    .map_or(0.0, |torque| torque.amplitude());
-                let force = run.measures.last().map_or(0.0, |measure| measure[2]);
-                let ratio = match (way.element, classic) {
-                    (Contact::NodeToFacet, _) => {
-                        classic = Some(amplitude);
-                        String::new()
-                    }
-                    (_, Some(classic)) => format!("{:.1}", classic / amplitude),
-                    (_, None) => "–".to_owned(),
-                };
-                [
-                    format!("{amplitude:.3e}"),
-                    format!("{:.2e}", amplitude / (RADIUS * force)),
-                    ratio,
-                    format!("{force:.0}"),
-                    run.iterations.to_string(),
-                    run.cutbacks.to_string(),
-                ]
-            });
+            let figures = run.map(|run| figures(&run, way, &mut classic));
             row(&mut table, [way.name(), master], figures);
         }
     }
@@ -78,6 +53,29 @@ pub fn study(decks: &Decks) -> Result<Findings, SolveError> {
         curves,
     };
     Ok(Findings { tables: vec![table], charts: vec![chart] })
+}
+
+/// The cells of a run. `classic`: the amplitude with facets, once it is known.
+fn figures(run: &Trace<Torque>, way: Way, classic: &mut Option<f64>) -> [String; 6] {
+    let amplitude = Oscillation::of(run.measures.iter().map(|[_, torque, _]| *torque))
+        .map_or(0.0, |torque| torque.amplitude());
+    let force = run.measures.last().map_or(0.0, |measure| measure[2]);
+    let ratio = match (way.element, *classic) {
+        (Contact::NodeToFacet, _) => {
+            *classic = Some(amplitude);
+            String::new()
+        }
+        (_, Some(classic)) => format!("{:.1}", classic / amplitude),
+        (_, None) => "–".to_owned(),
+    };
+    [
+        format!("{amplitude:.3e}"),
+        format!("{:.2e}", amplitude / (RADIUS * force)),
+        ratio,
+        format!("{force:.0}"),
+        run.iterations.to_string(),
+        run.cutbacks.to_string(),
+    ]
 }
 
 fn torque(deck: &Deck, decks: &Decks) -> Result<Trace<Torque>, SolveError> {

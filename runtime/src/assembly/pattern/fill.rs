@@ -5,7 +5,8 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 
 use diffuse_contact_kernels::support::{Isa, Vector, WithLanes};
 
-use super::super::law::{Active, Needs};
+use super::super::active::Active;
+use super::super::law::Needs;
 use super::super::{AssemblyError, ContactLaw, Elements};
 use super::locate::{Located, NO_SLOT, of_row};
 use super::map::{Batch, Task};

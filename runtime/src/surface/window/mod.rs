@@ -53,14 +53,17 @@
 //! [`MasterSurface::cut_edges`]. A cut is no border, and no result depends on it.
 
 mod boxes;
+mod error;
+mod known;
 mod numbers;
 
 pub use boxes::boxes_around;
+pub use error::WindowError;
+pub(crate) use known::Known;
 
 use super::domains::NodalDomains;
 use super::topology::NONE;
-use super::{Carried, Creases, Facet, Listed, MasterSurface, SurfaceError, SurfaceIndex, SymmetryPlane};
-use crate::vector::Vector3;
+use super::{Carried, Creases, Facet, Listed, MasterSurface, SurfaceIndex, SymmetryPlane};
 use crate::{Basis, MaterialDomain, Point, Weight};
 
 /// A box: its lowest and its highest corner.
@@ -68,81 +71,6 @@ pub type Box3 = [Point; 2];
 
 /// Numbers of nodes and facets stay below this: they are exact as floating-point numbers, too.
 pub const LARGEST_NUMBER: u64 = 1 << 53;
-
-/// Rounding, and facets that have grown since the first configuration, in the ball that a slave looks at.
-const BALL_MARGIN: f64 = 1e-6;
-
-/// Why numbers are no window, or windows do not go together.
-#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
-#[non_exhaustive]
-pub enum WindowError {
-    /// A number is out of its range, or an order is not kept.
-    #[error("{what} {place} of the window is none")]
-    Invalid {
-        /// What the number should be.
-        what: &'static str,
-        /// Its place among those.
-        place: usize,
-    },
-    /// Two windows have the same node or facet with other data: they are of different surfaces, or of different options.
-    #[error("two windows differ in {what} {number}")]
-    Differs {
-        /// What they differ in.
-        what: &'static str,
-        /// Its number.
-        number: u64,
-    },
-    /// A facet that slaves may be closest to has not all that it needs around it.
-    #[error("facet {facet} of the window needs all facets at node {node}, and one of them is not there")]
-    Incomplete {
-        /// The facet's number.
-        facet: u64,
-        /// The node's number.
-        node: u64,
-    },
-    /// The facets are no surface; they are named by their place in the window.
-    #[error(transparent)]
-    Surface(#[from] SurfaceError),
-    /// A box is none, or the skin is negative: a number of them is not finite, or a lowest corner is above the highest.
-    #[error("box {place} is none, or the skin {skin} is negative or not finite")]
-    InvalidBox {
-        /// Which.
-        place: usize,
-        /// The skin.
-        skin: f64,
-    },
-    /// Windows are for slaves whose masters are found by domains of influence.
-    #[error(
-        "windows need the diffuse element with the neighbour rule \"domains\", not facets or another rule"
-    )]
-    NeedsDomains,
-    /// A part of a surface was not wide enough around some of its facets.
-    #[error(
-        "the part of the surface does not reach far enough around {count} of its own facets, such as facet {facet}"
-    )]
-    TooNarrow {
-        /// How many.
-        count: usize,
-        /// The number of one.
-        facet: u64,
-    },
-}
-
-impl WindowError {
-    /// Stable machine-readable code.
-    #[must_use]
-    pub const fn code(&self) -> &'static str {
-        match self {
-            Self::Invalid { .. } => "invalid-window",
-            Self::Differs { .. } => "different-windows",
-            Self::Incomplete { .. } => "incomplete-window",
-            Self::Surface(error) => error.code(),
-            Self::InvalidBox { .. } => "invalid-box",
-            Self::NeedsDomains => "window-needs-domains",
-            Self::TooNarrow { .. } => "part-too-narrow",
-        }
-    }
-}
 
 /// How large a whole surface is in its first configuration. Of several parts they are [joined](Self::joined), in any order.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -440,78 +368,5 @@ impl Window {
             [a, b, c, _] if facet.corners[3] == NONE => Facet::Triangle([a, b, c]),
             corners => Facet::Quadrilateral(corners),
         })
-    }
-
-    /// What an interface of this window, made at these positions, knows of.
-    pub(crate) fn known(&self, positions: &[Point]) -> Known {
-        Known {
-            boxes: self.boxes.clone(),
-            skin: self.skin,
-            margin: BALL_MARGIN * self.setup.extents.facet,
-            is_core: self.facets.iter().map(|facet| facet.core.is_some()).collect(),
-            numbers: self.nodes().collect(),
-            start: positions[..self.nodes.len()].to_vec(),
-        }
-    }
-}
-
-/// What is known where there is a window only.
-#[derive(Clone, Debug, PartialEq)]
-pub(crate) struct Known {
-    boxes: Vec<Box3>,
-    skin: f64,
-    /// What is added to the radius of a ball, length.
-    margin: f64,
-    /// Of each facet.
-    is_core: Vec<bool>,
-    /// Of the nodes in the whole surface, ascending.
-    numbers: Vec<u64>,
-    /// Of the nodes, when the window was made.
-    start: Vec<Point>,
-}
-
-impl Known {
-    /// Whether no node of the window has moved by more than its skin.
-    pub fn holds_at(&self, positions: &[Point]) -> bool {
-        let moved = |(x, start): (&Point, &Point)| (Vector3::from(*x) - Vector3::from(*start)).norm();
-        self.start.iter().zip(positions).all(|(start, x)| moved((x, start)) <= self.skin)
-    }
-
-    /// The radius of the ball around a slave that everything has to be known in, for a closest facet at this distance.
-    pub fn needed(&self, distance: f64) -> f64 {
-        distance + BALL_MARGIN * distance + self.margin
-    }
-
-    /// The radius of the largest ball around a point that lies in one of the boxes; negative outside of all.
-    pub fn around(&self, point: Point) -> f64 {
-        self.around_box([point; 2])
-    }
-
-    /// By how much a box may be widened to lie in one of the boxes; negative where it does not lie in any.
-    pub fn around_box(&self, own: Box3) -> f64 {
-        let within = |[low, high]: &Box3| {
-            (0..3).map(|k| (own[0][k] - low[k]).min(high[k] - own[1][k])).fold(f64::INFINITY, f64::min)
-        };
-        self.boxes.iter().map(within).fold(f64::NEG_INFINITY, f64::max)
-    }
-
-    /// Whether slaves may be closest to this facet.
-    pub fn is_core(&self, facet: u32) -> bool {
-        self.is_core[facet as usize]
-    }
-
-    /// The number of a node in the whole surface.
-    pub fn number_of(&self, node: u32) -> Option<u64> {
-        self.numbers.get(node as usize).copied()
-    }
-
-    /// How many nodes the window has.
-    pub fn node_count(&self) -> u32 {
-        self.numbers.len() as u32
-    }
-
-    /// The node with this number.
-    pub fn node_of(&self, number: u64) -> Option<u32> {
-        self.numbers.binary_search(&number).ok().map(|place| place as u32)
     }
 }

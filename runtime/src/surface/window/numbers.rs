@@ -64,8 +64,55 @@ impl Window {
     /// # Errors
     /// [`WindowError::Invalid`] for numbers that are none of a window, [`WindowError::InvalidBox`].
     pub fn from_numbers(integers: &[i64], reals: &[f64]) -> Result<Self, WindowError> {
+        let Header { weight, basis, counts } = Header::of(integers, reals)?;
+        let [planes, boxes, nodes, facets, listed] = counts;
+        let mut rest = &integers[HEADER..];
+        let numbers = take(&mut rest, nodes);
+        check_ascending("node", numbers.iter().copied())?;
+        let rows = take(&mut rest, FACET * facets).as_chunks::<FACET>().0;
+        check_ascending("facet", rows.iter().map(|row| row[0]))?;
         let invalid = |what, place| WindowError::Invalid { what, place };
-        let Some((header, mut rest)) = integers.split_at_checked(HEADER) else {
+        let facets = rows.iter().enumerate().map(|(k, row)| facet_of(row, nodes).ok_or(invalid("facet", k)));
+        let facets = facets.collect::<Result<Vec<WindowFacet>, WindowError>>()?;
+        let list = take(&mut rest, listed).iter().enumerate();
+        let list = list.map(|(k, &number)| listed_of(number, nodes).ok_or(invalid("listed node", k)));
+        let list = list.collect::<Result<Vec<Listed>, WindowError>>()?;
+        let counted: usize = facets.iter().filter_map(|facet| facet.core).map(|core| core.1 as usize).sum();
+        if counted != listed {
+            return Err(invalid("list", facets.len()));
+        }
+        let (reals, mut rest) = reals.split_at(REALS);
+        let plane = |&[x, y, z, a, b, c]: &[f64; BOX]| SymmetryPlane { point: [x, y, z], normal: [a, b, c] };
+        let planes = take(&mut rest, BOX * planes).as_chunks().0.iter().map(plane).collect();
+        let own = |&[x, y, z, a, b, c]: &[f64; BOX]| [[x, y, z], [a, b, c]];
+        let boxes: Vec<Box3> = take(&mut rest, BOX * boxes).as_chunks().0.iter().map(own).collect();
+        let skin = reals[REALS - 1];
+        check_boxes(&boxes, skin)?;
+        let node = |(&number, &[x, y, z, a, b, c, d, e, f]): (&i64, &[f64; NODE])| WindowNode {
+            number: number as u64,
+            domain: MaterialDomain { position: [x, y, z], metric: [a, b, c, d, e, f] },
+        };
+        let nodes = numbers.iter().zip(take(&mut rest, NODE * nodes).as_chunks().0).map(node).collect();
+        let point = |k: usize| -> Point { [reals[k], reals[k + 1], reals[k + 2]] };
+        let extents = Extents { low: point(1), high: point(4), facet: reals[7] };
+        let setup = Setup { weight, basis, feature_angle_degrees: reals[0], planes, extents };
+        Ok(Self { setup, boxes, skin, nodes, facets, listed: list })
+    }
+}
+
+/// What the first integers say.
+struct Header {
+    weight: Weight,
+    basis: Basis,
+    /// Of planes, boxes, nodes, facets and listed nodes.
+    counts: [usize; 5],
+}
+
+impl Header {
+    /// Checks that there are as many numbers as it says, and that they are finite.
+    fn of(integers: &[i64], reals: &[f64]) -> Result<Self, WindowError> {
+        let invalid = |what, place| WindowError::Invalid { what, place };
+        let Some((header, rest)) = integers.split_at_checked(HEADER) else {
             return Err(invalid("integer", integers.len()));
         };
         let weight = Weight::ALL.into_iter().find(|&weight| weight as i64 == header[1]);
@@ -92,46 +139,13 @@ impl Window {
         {
             return Err(invalid("floating-point number", place));
         }
-        let mut take = |count: usize| {
-            let (own, after) = rest.split_at(count);
-            rest = after;
-            own
-        };
-        let numbers = take(nodes);
-        check_ascending("node", numbers.iter().copied())?;
-        let rows = take(FACET * facets).as_chunks::<FACET>().0;
-        check_ascending("facet", rows.iter().map(|row| row[0]))?;
-        let facets = rows.iter().enumerate().map(|(k, row)| facet_of(row, nodes).ok_or(invalid("facet", k)));
-        let facets = facets.collect::<Result<Vec<WindowFacet>, WindowError>>()?;
-        let list = take(listed).iter().enumerate();
-        let list = list.map(|(k, &number)| listed_of(number, nodes).ok_or(invalid("listed node", k)));
-        let list = list.collect::<Result<Vec<Listed>, WindowError>>()?;
-        let counted: usize = facets.iter().filter_map(|facet| facet.core).map(|core| core.1 as usize).sum();
-        if counted != listed {
-            return Err(invalid("list", facets.len()));
-        }
-        let (reals, mut rest) = reals.split_at(REALS);
-        let mut take = |count: usize| {
-            let (own, after) = rest.split_at(count);
-            rest = after;
-            own
-        };
-        let plane = |&[x, y, z, a, b, c]: &[f64; BOX]| SymmetryPlane { point: [x, y, z], normal: [a, b, c] };
-        let planes = take(BOX * planes).as_chunks().0.iter().map(plane).collect();
-        let own = |&[x, y, z, a, b, c]: &[f64; BOX]| [[x, y, z], [a, b, c]];
-        let boxes: Vec<Box3> = take(BOX * boxes).as_chunks().0.iter().map(own).collect();
-        let skin = reals[REALS - 1];
-        check_boxes(&boxes, skin)?;
-        let node = |(&number, &[x, y, z, a, b, c, d, e, f]): (&i64, &[f64; NODE])| WindowNode {
-            number: number as u64,
-            domain: MaterialDomain { position: [x, y, z], metric: [a, b, c, d, e, f] },
-        };
-        let nodes = numbers.iter().zip(take(NODE * nodes).as_chunks().0).map(node).collect();
-        let point = |k: usize| -> Point { [reals[k], reals[k + 1], reals[k + 2]] };
-        let extents = Extents { low: point(1), high: point(4), facet: reals[7] };
-        let setup = Setup { weight, basis, feature_angle_degrees: reals[0], planes, extents };
-        Ok(Self { setup, boxes, skin, nodes, facets, listed: list })
+        Ok(Self { weight, basis, counts })
     }
+}
+
+/// The first numbers, which are there; the others stay.
+fn take<'a, T>(rest: &mut &'a [T], count: usize) -> &'a [T] {
+    rest.split_off(..count).unwrap_or_default()
 }
 
 fn check_ascending(what: &'static str, numbers: impl Iterator<Item = i64>) -> Result<(), WindowError> {

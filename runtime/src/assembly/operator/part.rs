@@ -1,0 +1,328 @@
+//! The contacts that one thread multiplies in a row.
+
+use crate::affine::Carrier;
+use crate::assembly::active::Skew;
+use crate::assembly::law::Needs;
+use crate::assembly::{AssemblyError, ContactLaw, ContactView, DofMap, reserve};
+use crate::friction::NormalForce;
+use crate::interface::{ContactRef, LinearContacts, SecondForm};
+
+/// Where there is no equation, or no image.
+pub(super) const NONE: usize = usize::MAX;
+
+/// A contact with friction: its slave, by place among the slaves, and its nodes, slave first.
+pub(super) struct Element {
+    pub index: usize,
+    pub nodes: Vec<usize>,
+}
+
+/// On which side of K the vector is: K v or vᵀ K.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub(super) enum Side {
+    Right,
+    Left,
+}
+
+/// Contacts that one thread multiplies in a row.
+#[derive(Clone, Default)]
+pub(super) struct Part {
+    pub contacts: Vec<Contact>,
+    /// Slave and points of each contact, by place among the nodes that take part.
+    pub nodes: Vec<u32>,
+    /// The image each of them is, if there is any.
+    pub images: Vec<usize>,
+    pub gradients: Vec<f64>,
+    pub seconds: Vec<f64>,
+}
+
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Contact {
+    /// −∂f/∂g, force per length: of a penalty ε.
+    pub stiffness: f64,
+    /// f, force.
+    pub force: f64,
+    /// Slave and points.
+    pub nodes: usize,
+    pub gradient: usize,
+    pub second: SecondForm,
+    pub second_start: usize,
+    /// Of friction whose size changes with the gap: a factor, and where ∇q begins among the gradients.
+    pub skew: Option<(f64, usize)>,
+}
+
+/// Gives the nodes that take part consecutive numbers.
+pub(super) struct Numbering<'a> {
+    pub dofs: &'a DofMap,
+    /// Of all nodes, or `u32::MAX`.
+    numbers: Vec<u32>,
+    /// Of those that take part.
+    pub equations: Vec<[usize; 3]>,
+}
+
+impl<'a> Numbering<'a> {
+    pub fn new(dofs: &'a DofMap) -> Result<Self, AssemblyError> {
+        let mut numbers = reserve("nodes", dofs.nodes())?;
+        numbers.resize(dofs.nodes(), u32::MAX);
+        Ok(Self { dofs, numbers, equations: Vec::new() })
+    }
+
+    pub fn number(&mut self, element: usize, node: usize) -> Result<u32, AssemblyError> {
+        let nodes = self.numbers.len();
+        let Some(number) = self.numbers.get_mut(node) else {
+            return Err(AssemblyError::UnknownNode { element, node, nodes });
+        };
+        if *number == u32::MAX {
+            // An interface has fewer nodes than u32 has numbers.
+            *number = self.equations.len() as u32;
+            self.equations.push(self.dofs.of_node(node).map(|equation| equation.unwrap_or(NONE)));
+        }
+        Ok(*number)
+    }
+}
+
+impl Part {
+    pub fn new(
+        found: LinearContacts,
+        slaves: &[usize],
+        law: &ContactLaw<'_>,
+        numbering: &mut Numbering<'_>,
+    ) -> Result<Self, AssemblyError> {
+        let LinearContacts { contacts: all, points, gradients, seconds } = found;
+        let mut contacts = reserve("contacts", all.len())?;
+        let mut nodes = reserve("points", points.len() + all.len())?;
+        let mut images = Vec::new();
+        let mut rest = &points[..];
+        for contact in all {
+            let (own, others) = rest.split_at(contact.points);
+            rest = others;
+            let (k, freedoms) = (contact.index, 3 * (own.len() + 1));
+            if contact.point.gap.is_nan() {
+                continue;
+            }
+            let gradient = &gradients[contact.gradient..][..freedoms];
+            let view = ContactView {
+                gap: contact.point.gap,
+                area: contact.area,
+                gradient,
+                hessian: &[],
+                slip: None,
+            };
+            law.check_contact(k, &view, freedoms, Needs::Residual)?;
+            let NormalForce { force, stiffness } = law.normal_force(k, contact.point.gap, contact.area);
+            if !(force > 0.0) {
+                continue;
+            }
+            contacts.push(Contact {
+                stiffness,
+                force,
+                nodes: own.len() + 1,
+                gradient: contact.gradient,
+                second: contact.second,
+                second_start: contact.second_start,
+                skew: None,
+            });
+            nodes.push(numbering.number(k, slaves[k])?);
+            for &Carrier { node, image } in own {
+                nodes.push(numbering.number(k, node as usize)?);
+                if let Some(image) = image {
+                    images.resize(nodes.len() - 1, NONE);
+                    images.push(image as usize);
+                }
+            }
+        }
+        Ok(Self { contacts, nodes, images, gradients, seconds })
+    }
+
+    /// Appends a contact with friction that carries force, all but its nodes.
+    pub fn push(
+        &mut self,
+        k: usize,
+        contact: &ContactRef<'_>,
+        law: &ContactLaw<'_>,
+        elements: &mut Vec<Element>,
+    ) -> Result<(), AssemblyError> {
+        let &ContactRef { slave, nodes, point, area, gradient, hessian, slip, .. } = contact;
+        let view = ContactView { gap: point.gap, area, gradient, hessian, slip };
+        law.check_contact(k, &view, 3 * (nodes.len() + 1), Needs::Tangent)?;
+        let Some(active) = law.active_contact(k, &view) else { return Ok(()) };
+        let (stiffness, rest, skew) = active.split();
+        let (first, second_start) = (self.gradients.len(), self.seconds.len());
+        self.gradients.extend_from_slice(gradient);
+        let skew = skew.map(|Skew { factor, slip }| {
+            self.gradients.extend_from_slice(slip);
+            (factor, first + gradient.len())
+        });
+        for p in 0..gradient.len() {
+            let row = self.seconds.len();
+            self.seconds.resize(row + p + 1, 0.0);
+            if !rest.tangent_row(p, &mut self.seconds[row..]) {
+                let node = if p < 3 { slave } else { nodes[p / 3 - 1] as usize };
+                return Err(AssemblyError::Overflow { what: "values", equation: 3 * node + p % 3 });
+            }
+        }
+        // The rest stands for −f M.
+        self.contacts.push(Contact {
+            stiffness,
+            force: -1.0,
+            nodes: nodes.len() + 1,
+            gradient: first,
+            second: SecondForm::Packed,
+            second_start,
+            skew,
+        });
+        let nodes = std::iter::once(slave).chain(nodes.iter().map(|&node| node as usize)).collect();
+        elements.push(Element { index: k, nodes });
+        Ok(())
+    }
+
+    /// The contacts with where their points begin.
+    fn placed(&self) -> impl Iterator<Item = (usize, &Contact)> {
+        self.contacts.iter().scan(0, |start, contact| {
+            let own = *start;
+            *start += contact.nodes;
+            Some((own, contact))
+        })
+    }
+
+    /// Room for a vector over the freedoms of any contact.
+    fn room(&self) -> Vec<f64> {
+        vec![0.0; 3 * self.contacts.iter().map(|contact| contact.nodes).max().unwrap_or(0)]
+    }
+
+    /// Q of the point at a place, if it is an image.
+    fn rotation<'r>(&self, rotations: &'r [[[f64; 3]; 3]], place: usize) -> Option<&'r [[f64; 3]; 3]> {
+        self.images.get(place).and_then(|&image| rotations.get(image))
+    }
+
+    /// What each point contributes to K v or Kᵀ v, v given for all nodes.
+    pub fn multiply(
+        &self,
+        side: Side,
+        moves: &[[f64; 3]],
+        rotations: &[[[f64; 3]; 3]],
+        target: &mut [[f64; 3]],
+    ) {
+        let (mut v, mut product) = (self.room(), self.room());
+        for (start, contact) in self.placed() {
+            let freedoms = 3 * contact.nodes;
+            for (k, v) in v[..freedoms].as_chunks_mut::<3>().0.iter_mut().enumerate() {
+                let node = moves[self.nodes[start + k] as usize];
+                *v = forth(self.rotation(rotations, start + k), node);
+            }
+            self.element(side, contact, &v[..freedoms], &mut product[..freedoms]);
+            for (k, product) in product[..freedoms].as_chunks::<3>().0.iter().enumerate() {
+                target[start + k] = back(self.rotation(rotations, start + k), *product);
+            }
+        }
+    }
+
+    /// (ε N Nᵀ − f M) v of one contact, and what of friction is not symmetric, q Nᵀ v or N qᵀ v.
+    fn element(&self, side: Side, contact: &Contact, v: &[f64], product: &mut [f64]) {
+        let gradient = &self.gradients[contact.gradient..][..v.len()];
+        let second = &self.seconds[contact.second_start..];
+        match contact.second {
+            SecondForm::None => product.fill(0.0),
+            SecondForm::Factors(form) => form.multiply(second, v, product),
+            SecondForm::Packed => multiply_packed(second, v, product),
+        }
+        let along: f64 = gradient.iter().zip(v).map(|(n, v)| n * v).sum();
+        let stiff = contact.stiffness * along;
+        for (entry, n) in product.iter_mut().zip(gradient) {
+            *entry = stiff * n - contact.force * *entry;
+        }
+        if let Some((factor, start)) = contact.skew {
+            let slip = &self.gradients[start..][..v.len()];
+            let (out, along) = match side {
+                Side::Right => (slip, along),
+                Side::Left => (gradient, slip.iter().zip(v).map(|(q, v)| q * v).sum()),
+            };
+            product.iter_mut().zip(out).for_each(|(entry, x)| *entry += factor * along * x);
+        }
+    }
+
+    /// What each point contributes to the diagonal of K.
+    pub fn diagonal(&self, rotations: &[[[f64; 3]; 3]], target: &mut [[f64; 3]]) {
+        let (mut v, mut product) = (self.room(), self.room());
+        for (start, contact) in self.placed() {
+            let nodes = &self.nodes[start..][..contact.nodes];
+            let freedoms = 3 * contact.nodes;
+            let (v, product) = (&mut v[..freedoms], &mut product[..freedoms]);
+            self.element_diagonal(contact, product);
+            for (k, entries) in product.as_chunks::<3>().0.iter().enumerate() {
+                target[start + k] = *entries;
+            }
+            // Of a node that takes part more than once, or as an image, the entries are those of products with its own moves.
+            for k in 1..nodes.len() {
+                let same = || (0..nodes.len()).filter(|&other| nodes[other] == nodes[k]);
+                let is_plain = same().count() == 1 && self.rotation(rotations, start + k).is_none();
+                if is_plain {
+                    continue;
+                }
+                let first = same().next() == Some(k);
+                target[start + k] = [0.0; 3];
+                for axis in (0..3).filter(|_| first) {
+                    let mut unit = [0.0; 3];
+                    unit[axis] = 1.0;
+                    v.fill(0.0);
+                    for place in same() {
+                        let moved = forth(self.rotation(rotations, start + place), unit);
+                        v[3 * place..][..3].copy_from_slice(&moved);
+                    }
+                    self.element(Side::Right, contact, v, product);
+                    for place in same() {
+                        let own = [0, 1, 2].map(|axis| product[3 * place + axis]);
+                        target[start + k][axis] += back(self.rotation(rotations, start + place), own)[axis];
+                    }
+                }
+            }
+        }
+    }
+
+    fn element_diagonal(&self, contact: &Contact, diagonal: &mut [f64]) {
+        let gradient = &self.gradients[contact.gradient..][..diagonal.len()];
+        let second = &self.seconds[contact.second_start..];
+        match contact.second {
+            SecondForm::None => diagonal.fill(0.0),
+            SecondForm::Factors(form) => form.diagonal(second, diagonal),
+            SecondForm::Packed => {
+                for (row, entry) in diagonal.iter_mut().enumerate() {
+                    *entry = second[row * (row + 1) / 2 + row];
+                }
+            }
+        }
+        for (entry, n) in diagonal.iter_mut().zip(gradient) {
+            *entry = contact.stiffness * (n * n) - contact.force * *entry;
+        }
+        if let Some((factor, start)) = contact.skew {
+            let slip = &self.gradients[start..][..diagonal.len()];
+            let pairs = slip.iter().zip(gradient);
+            diagonal.iter_mut().zip(pairs).for_each(|(entry, (q, n))| *entry += factor * q * n);
+        }
+    }
+}
+
+/// `product` = M v of a packed lower triangle.
+fn multiply_packed(packed: &[f64], v: &[f64], product: &mut [f64]) {
+    product.fill(0.0);
+    let mut start = 0;
+    for row in 0..v.len() {
+        let entries = &packed[start..=start + row];
+        start += row + 1;
+        let mut sum = entries[row] * v[row];
+        for column in 0..row {
+            sum += entries[column] * v[column];
+            product[column] += entries[column] * v[row];
+        }
+        product[row] += sum;
+    }
+}
+
+/// Q v
+fn forth(rotation: Option<&[[f64; 3]; 3]>, v: [f64; 3]) -> [f64; 3] {
+    rotation.map_or(v, |q| q.map(|row| row[0] * v[0] + row[1] * v[1] + row[2] * v[2]))
+}
+
+/// Qᵀ v
+fn back(rotation: Option<&[[f64; 3]; 3]>, v: [f64; 3]) -> [f64; 3] {
+    rotation.map_or(v, |q| [0, 1, 2].map(|j| q[0][j] * v[0] + q[1][j] * v[1] + q[2][j] * v[2]))
+}

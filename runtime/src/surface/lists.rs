@@ -1,0 +1,77 @@
+//! Lists of the nodes that a slave may need whose closest facet is known.
+
+use rayon::prelude::*;
+
+use super::fits::Scratch;
+use super::sheets::{CHUNK, Listed, Sheets};
+use super::topology::NONE;
+use crate::MaterialDomain;
+use crate::vector::Vector3;
+
+/// The list of a facet holds nodes whose domains end this far from it, over the domain: a slave's place may lie as far off its
+/// closest facet.
+const MARGIN: f64 = 0.3;
+
+impl Sheets<'_> {
+    /// The lists of these facets, and those of them whose list may depend on what is not there.
+    pub fn lists(&self, domains: &[MaterialDomain], facets: &[u32]) -> (Vec<Vec<Listed>>, Vec<u32>) {
+        let extents: Vec<f64> = domains.par_iter().map(MaterialDomain::extent).collect();
+        let lists: Vec<(Vec<Listed>, bool)> = facets
+            .par_iter()
+            .with_min_len(CHUNK)
+            .map_init(Scratch::default, |scratch, &facet| {
+                scratch.is_open = false;
+                (list(self, (domains, &extents), facet, scratch), scratch.is_open)
+            })
+            .collect();
+        let open = facets.iter().zip(&lists).filter(|(_, list)| list.1).map(|(facet, _)| *facet).collect();
+        (lists.into_iter().map(|list| list.0).collect(), open)
+    }
+}
+
+/// The nodes of the facet's sheet whose domains, with a margin, reach it, and their images.
+pub(super) fn list(
+    sheets: &Sheets<'_>,
+    (domains, extents): (&[MaterialDomain], &[f64]),
+    facet: u32,
+    scratch: &mut Scratch,
+) -> Vec<Listed> {
+    let Sheets { index, creases, symmetry, .. } = *sheets;
+    let Scratch { walk, found, is_open, .. } = scratch;
+    let shape = index.shape(facet);
+    let corners = shape.corners();
+    let middle = corners.iter().copied().sum::<Vector3>() / corners.len() as f64;
+    let reaches = |domain: &MaterialDomain| {
+        let reach = corners
+            .iter()
+            .map(|&corner| domain.length(corner - middle))
+            .fold(1.0 + MARGIN, |reach, x| reach.max(1.0 + MARGIN + x));
+        domain.metric[0] > 0.0 && domain.length(Vector3::from(domain.position) - middle) < reach
+    };
+    // A domain that reaches the facet from afar is long: walks go on while they meet such.
+    let mut reach = shape.extent();
+    loop {
+        walk.start(index, facet, middle.into());
+        walk.nodes_within(index, creases, reach, found);
+        *is_open |= sheets.is_open(walk, found);
+        let longest = found.iter().map(|&(place, _)| extents[place as usize]).fold(0.0, f64::max);
+        let needed = (1.0 + MARGIN) * longest + shape.extent();
+        if needed <= reach {
+            break;
+        }
+        reach = needed;
+    }
+    let mut all = Vec::new();
+    for &(place, _) in &*found {
+        let domain = &domains[place as usize];
+        if reaches(domain) {
+            all.push(Listed { place, image: NONE });
+        }
+        symmetry.images_near(domain.position, middle.into(), reach, |image, _| {
+            if reaches(&symmetry.domain_of(image, domain)) {
+                all.push(Listed { place, image });
+            }
+        });
+    }
+    all
+}

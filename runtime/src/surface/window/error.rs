@@ -1,0 +1,75 @@
+//! Why there is no window.
+
+use crate::surface::SurfaceError;
+
+/// Why numbers are no window, or windows do not go together.
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum WindowError {
+    /// A number is out of its range, or an order is not kept.
+    #[error("{what} {place} of the window is none")]
+    Invalid {
+        /// What the number should be.
+        what: &'static str,
+        /// Its place among those.
+        place: usize,
+    },
+    /// Two windows have the same node or facet with other data: they are of different surfaces, or of different options.
+    #[error("two windows differ in {what} {number}")]
+    Differs {
+        /// What they differ in.
+        what: &'static str,
+        /// Its number.
+        number: u64,
+    },
+    /// A facet that slaves may be closest to has not all that it needs around it.
+    #[error("facet {facet} of the window needs all facets at node {node}, and one of them is not there")]
+    Incomplete {
+        /// The facet's number.
+        facet: u64,
+        /// The node's number.
+        node: u64,
+    },
+    /// The facets are no surface; they are named by their place in the window.
+    #[error(transparent)]
+    Surface(#[from] SurfaceError),
+    /// A box is none, or the skin is negative: a number of them is not finite, or a lowest corner is above the highest.
+    #[error("box {place} is none, or the skin {skin} is negative or not finite")]
+    InvalidBox {
+        /// Which.
+        place: usize,
+        /// The skin.
+        skin: f64,
+    },
+    /// Windows are for slaves whose masters are found by domains of influence.
+    #[error(
+        "windows need the diffuse element with the neighbour rule \"domains\", not facets or another rule"
+    )]
+    NeedsDomains,
+    /// A part of a surface was not wide enough around some of its facets.
+    #[error(
+        "the part of the surface does not reach far enough around {count} of its own facets, such as facet {facet}"
+    )]
+    TooNarrow {
+        /// How many.
+        count: usize,
+        /// The number of one.
+        facet: u64,
+    },
+}
+
+impl WindowError {
+    /// Stable machine-readable code.
+    #[must_use]
+    pub const fn code(&self) -> &'static str {
+        match self {
+            Self::Invalid { .. } => "invalid-window",
+            Self::Differs { .. } => "different-windows",
+            Self::Incomplete { .. } => "incomplete-window",
+            Self::Surface(error) => error.code(),
+            Self::InvalidBox { .. } => "invalid-box",
+            Self::NeedsDomains => "window-needs-domains",
+            Self::TooNarrow { .. } => "part-too-narrow",
+        }
+    }
+}

@@ -32,8 +32,8 @@ pub struct Walk {
     /// Facets to go to, by the square of their nearest corner's distance (the bits of a number that is not
     /// negative are ordered like it).
     next: BinaryHeap<Reverse<(u64, u32)>>,
-    /// Facets stepped on for the nodes within a reach.
-    stepped: Vec<u32>,
+    /// Nodes in the order in which they were reached.
+    corners: Vec<u32>,
     /// Whether a facet was stepped on that the surface is cut at.
     met_cut: bool,
     from: Vector3,
@@ -52,6 +52,7 @@ impl Walk {
             self.generation = 1;
         }
         self.next.clear();
+        self.corners.clear();
         self.level = 0;
         self.met_cut = false;
         self.from = slave.into();
@@ -91,31 +92,22 @@ impl Walk {
         found: &mut Vec<(u32, f64)>,
     ) {
         let limit = (reach * reach).to_bits();
-        let mut first = Vec::new();
-        std::mem::swap(&mut first, &mut self.stepped);
-        first.clear();
         while let Some(&Reverse((nearest, facet))) = self.next.peek()
             && nearest <= limit
         {
             self.next.pop();
             self.level = self.level.max(nearest);
-            first.push(facet);
             self.step_on(index, creases, facet as usize);
         }
         found.clear();
-        for &facet in &first {
-            for &place in index.surface().corners_of(facet as usize) {
-                let square = self.square_distance(index, place);
-                // Of the level of its first facet, so that a node is handed over by one facet only, once.
-                let (_, level) = self.reached[place as usize];
-                if square.to_bits() < limit && level <= square.to_bits() {
-                    found.push((place, square));
-                }
+        for &place in &self.corners {
+            let square = self.square_distance(index, place);
+            let (_, level) = self.reached[place as usize];
+            if square.to_bits() < limit && level <= square.to_bits() {
+                found.push((place, square));
             }
         }
         found.sort_unstable_by_key(|&(place, _)| place);
-        found.dedup_by_key(|&mut (place, _)| place);
-        self.stepped = first;
     }
 
     /// Marks the corners of a facet, and sees its neighbours across edges that are not sharp.
@@ -126,6 +118,7 @@ impl Walk {
             // The nearest facets come first, so that the first level is the lowest.
             if reached.0 != self.generation {
                 *reached = (self.generation, self.level);
+                self.corners.push(corner);
             }
         }
         for (edge, &other) in surface.across(facet).iter().enumerate() {

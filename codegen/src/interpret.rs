@@ -218,7 +218,8 @@ impl<'a, N: Number> Interpreter<'a, N> {
         }
         let data = self.graph.symbol_data(symbol);
         if let Some(definition) = data.definition {
-            return self.value(definition, node);
+            let value = self.value(definition, node);
+            return if data.is_held { N::constant(value.value()) } else { value };
         }
         let value = match node {
             Some(node) => self.inputs.node.get(&data.name).map(|values| &values[node]),
@@ -294,8 +295,8 @@ impl<'a, N: Number> Interpreter<'a, N> {
         factor
     }
 
-    /// Newton's iteration with halving of steps that do not reduce the residual, by values. Steps with the Jacobian that the last
-    /// values have then give the derivatives of the unknowns, each step those of one more order.
+    /// Newton's iteration with halving of steps that do not reduce the residual, by values; there is none from values that are known.
+    /// Steps with the Jacobian that the last values have then give the derivatives of the unknowns, each step those of one more order.
     fn root(&mut self, root: RootId) -> RootSolution<N> {
         if let Some(known) = self.roots.get(&root) {
             return known.clone();
@@ -305,13 +306,16 @@ impl<'a, N: Number> Interpreter<'a, N> {
             self.value(parameter, None);
         }
         let data = self.graph.root(root).clone();
-        let mut values = vec![N::constant(0.0); data.unknowns.len()];
+        let mut values: Vec<N> = match data.is_known() {
+            true => data.known.iter().map(|&x| N::constant(self.value(x, None).value())).collect(),
+            false => vec![N::constant(0.0); data.unknowns.len()],
+        };
         let (mut residual, mut jacobian) = self.equations(root, &values);
         // A NaN is larger than anything: no step leads out of where the equations are defined.
         let larger = |x: f64, y: f64| if x.is_nan() || y <= x { x } else { y };
         let norm = |r: &[N]| r.iter().map(|x| x.value().abs()).fold(0.0, larger);
         let mut iterations = 0;
-        while iterations < MOST_ITERATIONS && norm(&residual) > 0.0 {
+        while !data.is_known() && iterations < MOST_ITERATIONS && norm(&residual) > 0.0 {
             let step = eliminate(jacobian.clone(), residual.iter().map(Number::value).collect());
             let mut fraction = 1.0;
             let accepted = loop {

@@ -209,7 +209,10 @@ impl<'a> Lowering<'a> {
                 self.inverse_factor(system, row as usize, column as usize)
             }
             Op::PivotRatio(system) => self.pivot_ratio(system),
-            Op::RootValue(root, component) => self.lower_root(root).1[component as usize],
+            Op::RootValue(root, component) => match self.source.root(root).known.get(component as usize) {
+                Some(&known) => self.lower(known),
+                None => self.lower_root(root).1[component as usize],
+            },
             Op::RootFigure(root, figure) => {
                 let root = self.lower_root(root).0;
                 self.target.root_figure(root, figure)

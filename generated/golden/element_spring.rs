@@ -194,14 +194,14 @@ pub mod spring {
         let product_v7 = stiffness * product;
         let product_v8 = c1_over_root * (c1_over_root * product);
         let sum_v4 = by_stretch
-            .mul_add(sum.neg_mul_add(product_v8, c1_over_root), product * product_v7);
+            .neg_mul_add(sum.mul_sub(product_v8, c1_over_root), product * product_v7);
         let sum_v5 = by_stretch
             .neg_mul_add(sum_v2 * product_v8, product_v3 * product_v7);
         let product_v9 = stiffness * product_v3;
         let product_v10 = c1_over_root * (c1_over_root * product_v3);
         let sum_v6 = by_stretch
-            .mul_add(
-                sum_v2.neg_mul_add(product_v10, c1_over_root),
+            .neg_mul_add(
+                sum_v2.mul_sub(product_v10, c1_over_root),
                 product_v3 * product_v9,
             );
         let sum_v7 = by_stretch
@@ -209,12 +209,8 @@ pub mod spring {
         let sum_v8 = by_stretch
             .neg_mul_add(sum_v3 * product_v10, product_v5 * product_v9);
         let sum_v9 = by_stretch
-            .mul_add(
-                sum_v3
-                    .neg_mul_add(
-                        c1_over_root * (c1_over_root * product_v5),
-                        c1_over_root,
-                    ),
+            .neg_mul_add(
+                sum_v3.mul_sub(c1_over_root * (c1_over_root * product_v5), c1_over_root),
                 product_v5 * (stiffness * product_v5),
             );
         gradient[0] = -product_v2;

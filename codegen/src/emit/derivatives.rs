@@ -123,14 +123,16 @@ impl Derivative {
         let by = variables.join(", ");
         let by =
             if signature.nodes.is_empty() { by } else { format!("{by}, those of the nodes node by node") };
+        let twice = signature.values.iter().find(|value| value.differentiated == Differentiated::Twice);
+        let function = twice.map_or("", |value| value.name.as_str());
         match self.entries {
-            Entries::Gradient => format!("∂energy/∂x, x: {by}"),
-            Entries::Hessian => format!("∂²energy/∂x∂x, packed lower triangle, row by row, x: {by}"),
+            Entries::Gradient => format!("∂{function}/∂x, x: {by}"),
+            Entries::Hessian => format!("∂²{function}/∂x∂x, packed lower triangle, row by row, x: {by}"),
             Entries::Jacobian(_) => {
                 let of = self.name.trim_end_matches("_jacobian");
                 format!("∂{of}/∂x, a row per entry, x: {by}")
             }
-            Entries::HessianProduct => format!("∂²energy/∂x∂x v, x: {by}"),
+            Entries::HessianProduct => format!("∂²{function}/∂x∂x v, x: {by}"),
             Entries::JacobianProduct(_) => {
                 let of = self.name.trim_end_matches("_jacobian_product");
                 format!("∂{of}/∂x v, x: {by}")

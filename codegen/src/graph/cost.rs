@@ -5,7 +5,7 @@ use rustc_hash::FxHashSet;
 use super::{ExprId, Graph, Op};
 
 impl Graph {
-    /// Whether a symbol is among what an expression is made of; definitions are not entered.
+    /// Whether a symbol is among what an expression is made of, and changes with; definitions are not entered.
     pub(crate) fn contains(&self, expr: ExprId, symbol: ExprId) -> bool {
         let (mut seen, mut open) = (FxHashSet::default(), vec![expr]);
         while let Some(x) = open.pop() {
@@ -13,7 +13,7 @@ impl Graph {
                 return true;
             }
             if seen.insert(x) && !matches!(self.op(x), Op::Symbol(_)) {
-                open.extend(self.dependencies(x));
+                open.extend(self.varying_dependencies(x));
             }
         }
         false

@@ -202,6 +202,8 @@ pub struct Symbol {
     pub scope: Scope,
     /// What it is bound to; `None` for an input.
     pub definition: Option<ExprId>,
+    /// Whether it has its definition's value, but is a constant for all derivatives.
+    pub is_held: bool,
 }
 
 /// Name of the input that holds the number of nodes.
@@ -287,7 +289,7 @@ impl Graph {
     }
 
     /// Everything an expression's value depends on directly: operands, a bound symbol's definition, the
-    /// entries of a system and its right-hand side, the parameters of a root.
+    /// entries of a system and its right-hand side, the parameters of a root, or its value where that is known.
     #[must_use]
     pub fn dependencies(&self, expr: ExprId) -> Vec<ExprId> {
         match self.op(expr) {
@@ -305,8 +307,22 @@ impl Graph {
                 all.extend((0..system.size()).filter_map(|row| system.reference(row)));
                 all
             }
+            Op::RootValue(root, component) if self.root(root).is_known() => {
+                vec![self.root(root).known[component as usize]]
+            }
             Op::RootValue(root, _) | Op::RootFigure(root, _) => self.dependencies_of_root(root).to_vec(),
             _ => self.operands(expr),
+        }
+    }
+
+    /// What an expression changes with, directly: its [`dependencies`](Self::dependencies), but nothing of a held symbol, and of a root
+    /// that is known the parameters of its equations.
+    #[must_use]
+    pub fn varying_dependencies(&self, expr: ExprId) -> Vec<ExprId> {
+        match self.op(expr) {
+            Op::Symbol(symbol) if self.symbols[symbol.index()].is_held => Vec::new(),
+            Op::RootValue(root, _) => self.dependencies_of_root(root).to_vec(),
+            _ => self.dependencies(expr),
         }
     }
 
@@ -418,7 +434,14 @@ impl Graph {
         self.intern(Op::Symbol(symbol))
     }
 
-    /// The same with a name made unique.
+    /// A new symbol bound to `definition` that is held: nothing that it depends on changes it while derivatives are taken.
+    pub fn bind_held(&mut self, name: &str, definition: ExprId) -> ExprId {
+        let symbol = self.add_symbol(name, self.scope(definition), Some(definition));
+        self.symbols[symbol.index()].is_held = true;
+        self.intern(Op::Symbol(symbol))
+    }
+
+    /// As [`bind`](Self::bind), with a name made unique.
     pub(crate) fn bind_unique(&mut self, name: &str, definition: ExprId) -> ExprId {
         let unique = self.unique_name(name);
         self.bind(&unique, definition)
@@ -459,7 +482,7 @@ impl Graph {
 
     fn add_symbol(&mut self, name: &str, scope: Scope, definition: Option<ExprId>) -> SymbolId {
         assert!(self.symbols.iter().all(|s| s.name != name), "symbol {name} is declared twice");
-        self.symbols.push(Symbol { name: name.to_owned(), scope, definition });
+        self.symbols.push(Symbol { name: name.to_owned(), scope, definition, is_held: false });
         SymbolId(u32::try_from(self.symbols.len() - 1).expect("fewer than 2³² symbols"))
     }
 
@@ -536,12 +559,41 @@ impl Graph {
         residuals: Vec<ExprId>,
         iteration: Iteration,
     ) -> (RootId, Vec<ExprId>) {
+        let (unknowns, jacobian) = self.jacobian(unknowns, &residuals);
+        self.push_root(Root {
+            name: name.to_owned(),
+            unknowns,
+            residuals,
+            jacobian,
+            iteration,
+            known: Vec::new(),
+        })
+    }
+
+    /// Adds a small system of equations whose root is known: nothing is solved for the values, which the unknowns have; the equations
+    /// say how these change.
+    ///
+    /// # Panics
+    /// If there is not one value for each unknown.
+    pub fn add_known_root(
+        &mut self,
+        name: &str,
+        unknowns: &[ExprId],
+        residuals: Vec<ExprId>,
+        known: &[ExprId],
+    ) -> (RootId, Vec<ExprId>) {
+        assert_eq!(unknowns.len(), known.len(), "{name}: one value for each unknown");
+        let (unknowns, jacobian) = self.jacobian(unknowns, &residuals);
+        let (name, known, iteration) =
+            (self.root_name(name), known.to_vec(), Iteration::Within(Limits::LINEAR));
+        self.push_root(Root { name, unknowns, residuals, jacobian, iteration, known })
+    }
+
+    fn jacobian(&mut self, unknowns: &[ExprId], residuals: &[ExprId]) -> (Vec<SymbolId>, Vec<Vec<ExprId>>) {
         let unknowns: Vec<SymbolId> = unknowns.iter().map(|&u| self.symbol_of(u)).collect();
-        let jacobian = residuals
-            .iter()
-            .map(|&residual| unknowns.iter().map(|&u| self.derivative(residual, u)).collect())
-            .collect();
-        self.push_root(Root { name: name.to_owned(), unknowns, residuals, jacobian, iteration })
+        let row = |&residual| unknowns.iter().map(|&u| self.derivative(residual, u)).collect();
+        let jacobian = residuals.iter().map(row).collect();
+        (unknowns, jacobian)
     }
 
     /// As [`add_root`](Self::add_root), with the Jacobian ∂(residual)/∂(unknown) made elsewhere.
@@ -554,7 +606,14 @@ impl Graph {
         iteration: Iteration,
     ) -> (RootId, Vec<ExprId>) {
         let unknowns = unknowns.iter().map(|&u| self.symbol_of(u)).collect();
-        self.push_root(Root { name: name.to_owned(), unknowns, residuals, jacobian, iteration })
+        self.push_root(Root {
+            name: name.to_owned(),
+            unknowns,
+            residuals,
+            jacobian,
+            iteration,
+            known: Vec::new(),
+        })
     }
 
     fn push_root(&mut self, root: Root) -> (RootId, Vec<ExprId>) {

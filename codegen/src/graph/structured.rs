@@ -164,4 +164,14 @@ pub struct Root {
     pub jacobian: Vec<Vec<ExprId>>,
     /// How it is solved.
     pub iteration: Iteration,
+    /// The unknowns' values where they are known beforehand, so that nothing is solved for them; otherwise none.
+    pub known: Vec<ExprId>,
+}
+
+impl Root {
+    /// Whether its unknowns' values are known beforehand.
+    #[must_use]
+    pub const fn is_known(&self) -> bool {
+        !self.known.is_empty()
+    }
 }

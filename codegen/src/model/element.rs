@@ -34,6 +34,8 @@ pub struct ElementModel<'g> {
     points: RefCell<Points>,
     /// Whether products are wanted.
     product: Cell<bool>,
+    /// Unknowns whose values are known, the first of them.
+    known: RefCell<Option<String>>,
     error: RefCell<Option<ElementError>>,
 }
 
@@ -72,6 +74,7 @@ impl<'g> ElementModel<'g> {
             quantities: RefCell::new(Vec::new()),
             points: RefCell::new(Points { symbols: Vec::new(), rows: Vec::new() }),
             product: Cell::new(false),
+            known: RefCell::new(None),
             error: RefCell::new(None),
         }
     }
@@ -177,6 +180,49 @@ impl<'g> ElementModel<'g> {
             }
             symbol
         })
+    }
+
+    /// A quantity that is held while derivatives are taken: it has its value, and changes with nothing. A length that others are divided
+    /// by is one where it cancels; so is the place an iteration has found, where [`stationary_at`](Self::stationary_at) says how it
+    /// moves.
+    #[must_use]
+    pub fn held<Q: Quantity<'g>>(&self, name: &str, quantity: Q) -> Q {
+        self.check_name(name);
+        quantity.changed(name, &mut |entry, x| {
+            if x.value().is_some() {
+                return x;
+            }
+            self.check_symbol(entry);
+            self.sheet.make(|g| g.bind_held(entry, x.id()))
+        })
+    }
+
+    /// Unknowns u, one to eight, that have known values, such as the foot of a distance, and in which the function is stationary that
+    /// derivatives are taken of: it does not change to first order while u follows the equations r(u) = 0, which hold at the values.
+    /// Its gradient is then that at fixed u, and its Hessian needs du/dx = −r_u⁻¹ r_x only. Values are held. Equations may contain unknowns
+    /// that were made before.
+    ///
+    /// Nothing checks the claims but a test: `Config::test` compares with automatic differentiation, which moves u by the equations.
+    #[must_use]
+    pub fn stationary_at<const N: usize>(
+        &self,
+        name: &str,
+        values: Vector<'g, N>,
+        equations: impl FnOnce(Vector<'g, N>) -> Vector<'g, N>,
+    ) -> Vector<'g, N> {
+        self.check_name(name);
+        if N == 0 || N > Iteration::MOST_EQUATIONS {
+            self.fail(ElementError::Root { root: name.to_owned(), equations: N });
+            return values;
+        }
+        self.known.borrow_mut().get_or_insert_with(|| name.to_owned());
+        let values = self.held(&format!("{name}_value"), values);
+        let unknowns = self.unknowns(name);
+        let equations = equations(unknowns);
+        let (_, at) = self
+            .sheet
+            .edit(|g| g.add_known_root(name, &unknowns.ids(), equations.ids().to_vec(), &values.ids()));
+        self.define(name, Vector::from_fn(|k| self.sheet.expr(at[k])))
     }
 
     /// Unknowns at the root of as many equations r(u) = 0, one to eight, such as the natural coordinates of a foot point: by a damped
@@ -392,9 +438,19 @@ impl<'g> ElementModel<'g> {
         symbol
     }
 
-    /// States the energy, or any other number that gradient and Hessian are wanted of. Its value is the output `energy`.
+    /// States the energy. Gradient and Hessian are those of it, its value is the output `energy`.
     pub fn energy(&self, energy: Expr<'g>) {
-        self.output(ENERGY, energy, Differentiated::Twice);
+        self.function(ENERGY, energy);
+    }
+
+    /// States a number of another name that gradient and Hessian are wanted of, in the place of an energy.
+    pub fn function(&self, name: &str, function: Expr<'g>) {
+        let is_twice =
+            |(value, _): &(Returned, _)| value.name != name && value.differentiated == Differentiated::Twice;
+        if self.outputs.borrow().iter().any(is_twice) {
+            self.fail(ElementError::Duplicate { name: "gradient".to_owned() });
+        }
+        self.output(name, function, Differentiated::Twice);
     }
 
     /// States a quantity that the Jacobian is wanted of too, such as forces that have no energy.
@@ -483,6 +539,9 @@ impl<'g> ElementModel<'g> {
         }
         let points = self.points.into_inner();
         if !nodes.is_empty() {
+            if let Some(unknowns) = self.known.into_inner() {
+                return Err(ElementError::KnownWithNodes { unknowns });
+            }
             if !points.rows.is_empty() {
                 return Err(ElementError::NodesAndPoints);
             }

@@ -25,10 +25,12 @@ pub enum ElementError {
         output: String,
     },
     /// Nothing is computed.
-    #[error("there is no output; state one by `energy`, `residual` or `value`")]
+    #[error("there is no output; state one by `energy`, `function`, `residual` or `value`")]
     NoOutput,
     /// Products are asked for, but nothing is differentiated.
-    #[error("there are no derivatives to be multiplied; state an output by `energy` or `residual`")]
+    #[error(
+        "there are no derivatives to be multiplied; state an output by `energy`, `function` or `residual`"
+    )]
     NoProduct,
     /// A differentiated output is the same whatever the variables are.
     #[error("`{output}` does not depend on any variable")]
@@ -85,6 +87,12 @@ pub enum ElementError {
     RootInSum {
         /// The root.
         root: String,
+    },
+    /// Unknowns whose values are known, in an element with nodes.
+    #[error("`{unknowns}` have known values, which elements with nodes of a number that is open do not take")]
+    KnownWithNodes {
+        /// The unknowns.
+        unknowns: String,
     },
     /// An element with nodes and with quadrature points.
     #[error("an element has either nodes of a number that is open or quadrature points")]

@@ -337,9 +337,13 @@ impl<'g> Variables<'g> {
         let is_variable = |input: &&Input| input.role == Role::Variable;
         let (mut symbols, mut vectors) = (Vec::new(), Vec::new());
         for input in signature.inputs.iter().filter(is_variable) {
-            if let [count, components] = input.dimensions[..] {
-                vectors.push(NodeVectors { first: symbols.len(), nodes: count, components });
-            }
+            let nodes = match input.dimensions[..] {
+                [components] => Some((1, components)),
+                [nodes, components] => Some((nodes, components)),
+                _ => None,
+            };
+            let first = symbols.len();
+            vectors.extend(nodes.map(|(nodes, components)| NodeVectors { first, nodes, components }));
             symbols.extend(input.symbols.iter().map(|name| sheet.input_once(name, Scope::Element)));
         }
         let of_node = signature.nodes.iter().filter(is_variable).flat_map(|input| &input.symbols);
@@ -384,7 +388,7 @@ fn check_output(output: &str, x: Expr<'_>, declared: &[&str]) -> Result<(), Elem
 }
 
 impl Kernel<ElementSpec> {
-    /// Roots among what the results are made of.
+    /// Roots among what the results are made of, but for those that are known.
     pub(crate) fn roots(&self) -> Vec<RootId> {
         let (mut seen, mut roots) = (rustc_hash::FxHashSet::default(), Vec::new());
         let mut open: Vec<ExprId> = self.values.iter().flat_map(|value| value.components.clone()).collect();
@@ -394,6 +398,7 @@ impl Kernel<ElementSpec> {
                 continue;
             }
             if let Op::RootValue(root, _) | Op::RootFigure(root, _) = self.graph.op(expr)
+                && !self.graph.root(root).is_known()
                 && !roots.contains(&root)
             {
                 roots.push(root);

@@ -10,12 +10,17 @@
 //! Unknowns v at the root of r(v, z) = 0 are not differentiated twice: with r_vᵀ μ = −a_v, the derivatives of μ·r take the place of
 //! Cᵀ a_v and of Σ a_v ∂²f_v/∂z², those by v too.
 //!
-//! The middle term may stay a form Cᵀ B C of few rows instead, which lower levels see as rows C only. Which levels stay forms is
-//! for the caller to choose: [`Chain::fewest_operations`] tries all.
+//! The middle term may stay a form Cᵀ B C of few rows instead, which lower levels see as rows C only. Vectors that are linear in the
+//! positions of nodes may be eliminated by [`LinearImages`]. Which of these ways is taken is for the caller to choose,
+//! [`Chain::ways`] lists them.
+//!
+//! Unknowns whose values are known and in which the function is stationary are one level of their own, see [`super::known`].
 
 use std::collections::BTreeMap;
 
-use crate::expr::{Expr, Sheet, dot};
+use super::known::{Known, is_known};
+use super::linear_images::{LinearImages, vectors_of_nodes};
+use crate::expr::{Expr, Mat3, Sheet, Vector, dot};
 use crate::graph::{Op, RootId};
 
 /// Levels that are tried both ways.
@@ -35,6 +40,17 @@ pub struct Intermediate<'g> {
 pub struct Chain<'g> {
     variables: Vec<Expr<'g>>,
     levels: Vec<Vec<Intermediate<'g>>>,
+    /// Which level is that of unknowns whose values are known.
+    known: Option<usize>,
+}
+
+/// A way to eliminate the intermediates.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Way {
+    /// Levels whose bit is set stay forms.
+    forms: usize,
+    /// Whether the lowest level is eliminated as vectors that are linear in those of nodes.
+    by_vectors: bool,
 }
 
 /// Derivatives by the variables.
@@ -47,7 +63,7 @@ pub struct Derivatives<'g> {
 }
 
 /// Entries that are not zero, by the place of the symbol they belong to.
-type Row<'g> = BTreeMap<usize, Expr<'g>>;
+pub(super) type Row<'g> = BTreeMap<usize, Expr<'g>>;
 
 /// Σ q_k b_kl q_lᵀ
 struct Form<'g> {
@@ -58,7 +74,7 @@ struct Form<'g> {
 /// A function to second order: by variables, then by the intermediates that are left.
 struct Expansion<'g> {
     gradient: Row<'g>,
-    /// row ≥ column
+    /// row ≥ column; below unknowns whose values are known, all.
     second: BTreeMap<(usize, usize), Expr<'g>>,
     forms: Vec<Form<'g>>,
 }
@@ -71,23 +87,35 @@ impl<'g> Chain<'g> {
     #[must_use]
     pub fn new(variables: Vec<Expr<'g>>, intermediates: &[Intermediate<'g>]) -> Self {
         let mut levels: Vec<Vec<Intermediate<'g>>> = Vec::new();
-        for &intermediate in intermediates {
-            let contains = |level: &Vec<Intermediate<'g>>| {
-                level.iter().any(|v| intermediate.definition.contains(v.symbol))
-            };
-            let level = levels.iter().rposition(contains).map_or(0, |below| below + 1);
-            if level == levels.len() {
-                levels.push(Vec::new());
+        let (known, others): (Vec<_>, Vec<_>) =
+            intermediates.iter().copied().partition(|v| is_known(v.definition));
+        let mut above: Vec<Intermediate<'g>> = Vec::new();
+        for v in others {
+            let contains = |w: &Intermediate<'g>| v.definition.contains(w.symbol);
+            if known.iter().chain(&above).any(contains) {
+                above.push(v);
+            } else {
+                add(&mut levels, 0, v);
             }
-            levels[level].push(intermediate);
         }
-        Self { variables, levels }
+        let place = (!known.is_empty()).then_some(levels.len());
+        levels.extend(place.map(|_| known));
+        let lowest = levels.len();
+        above.into_iter().for_each(|v| add(&mut levels, lowest, v));
+        Self { variables, levels, known: place }
     }
 
-    /// How many ways there are to choose levels that stay forms.
+    /// The ways to eliminate the intermediates.
     #[must_use]
-    pub fn choices(&self) -> usize {
-        1 << self.levels.len().min(MOST_CHOICES)
+    pub fn ways(&self) -> Vec<Way> {
+        // What is above unknowns whose values are known is eliminated before them.
+        let levels = self.known.unwrap_or(self.levels.len());
+        let forms = 0..1 << levels.min(MOST_CHOICES);
+        let mut ways: Vec<Way> = forms.map(|forms| Way { forms, by_vectors: false }).collect();
+        if self.lowest_vectors().is_some() {
+            ways.push(Way { forms: 0, by_vectors: true });
+        }
+        ways
     }
 
     /// All intermediates, lower ones first.
@@ -98,24 +126,60 @@ impl<'g> Chain<'g> {
     /// The same intermediates with fewer variables.
     #[must_use]
     pub fn with_variables(&self, variables: Vec<Expr<'g>>) -> Self {
-        Self { variables, levels: self.levels.clone() }
+        Self { variables, levels: self.levels.clone(), known: self.known }
     }
 
-    /// Derivatives of a function. A level whose bit is set in `forms` stays a form.
+    /// Unknowns whose values are known: their symbols with their values.
     #[must_use]
-    pub fn derivatives(&self, function: Expr<'g>, with_hessian: bool, forms: usize) -> Derivatives<'g> {
+    pub fn known_values(&self) -> Vec<(Expr<'g>, Expr<'g>)> {
+        self.known.map_or_else(Vec::new, |level| Known::new(&self.levels[level]).values())
+    }
+
+    /// The lowest level as vectors, if it is one of vectors that are linear in those of the nodes.
+    fn lowest_vectors(&self) -> Option<(LinearImages<'g>, Vec<[usize; 3]>)> {
+        let lowest = self.levels.first().filter(|_| self.known != Some(0))?;
+        vectors_of_nodes(lowest, &self.variables)
+    }
+
+    /// Derivatives of a function.
+    #[must_use]
+    pub fn derivatives(&self, function: Expr<'g>, with_hessian: bool, way: Way) -> Derivatives<'g> {
         let symbols: Vec<Expr<'g>> =
             self.variables.iter().copied().chain(self.intermediates().map(|v| v.symbol)).collect();
         let mut expansion = Expansion::new(function, &symbols, with_hessian);
         let mut above = symbols.len();
         for (number, level) in self.levels.iter().enumerate().rev() {
             let first = above - level.len();
-            let is_form = number < MOST_CHOICES && forms >> number & 1 == 1;
-            expansion = expansion.without(level, first, &symbols[..first], with_hessian, is_form);
+            let below = &symbols[..first];
+            if self.known == Some(number) {
+                let known = Known::new(level).without(self.levels[number + 1..].iter().flatten());
+                expansion = expansion.without_known(&known, level.len(), below, with_hessian);
+            } else {
+                if number == 0
+                    && way.by_vectors
+                    && expansion.forms.is_empty()
+                    && let Some((images, places)) = self.lowest_vectors()
+                    && let Some(derivatives) = expansion.through(&images, &places, first, with_hessian)
+                {
+                    return derivatives;
+                }
+                let is_form = number < MOST_CHOICES && way.forms >> number & 1 == 1;
+                expansion = expansion.without(level, first, below, with_hessian, is_form);
+            }
             above = first;
         }
         expansion.finish(function.sheet(), above, with_hessian)
     }
+}
+
+/// Adds an intermediate to the first level after those it depends on, from `lowest` on.
+fn add<'g>(levels: &mut Vec<Vec<Intermediate<'g>>>, lowest: usize, v: Intermediate<'g>) {
+    let contains = |level: &Vec<Intermediate<'g>>| level.iter().any(|w| v.definition.contains(w.symbol));
+    let level = levels.iter().rposition(contains).map_or(lowest, |below| (below + 1).max(lowest));
+    if level == levels.len() {
+        levels.push(Vec::new());
+    }
+    levels[level].push(v);
 }
 
 impl<'g> Expansion<'g> {
@@ -186,6 +250,70 @@ impl<'g> Expansion<'g> {
         }
         let second = self.second_below(&c, &adjoints, first, below, is_form);
         Self { gradient, second, forms }
+    }
+
+    /// The function of the symbols below unknowns whose values are known, in which it is stationary: its derivatives are the partial
+    /// ones, of which the second ones are the total derivatives.
+    fn without_known(
+        self,
+        known: &Known<'g>,
+        unknowns: usize,
+        below: &[Expr<'g>],
+        with_second: bool,
+    ) -> Self {
+        let first = below.len();
+        let gradient: Row<'g> = self.gradient.range(..first).map(|(&i, &x)| (i, x)).collect();
+        if !with_second {
+            return Self { gradient, second: BTreeMap::new(), forms: Vec::new() };
+        }
+        let values = known.values();
+        let rates = known.rates(below);
+        let entry = |i: usize, j: usize| self.second.get(&(i.max(j), i.min(j))).map(|x| x.at(&values));
+        let mut terms = Terms::new();
+        for i in 0..first {
+            for j in 0..first {
+                let own = entry(i, j).map(|x| (x, x.sheet().one()));
+                terms.entry((i, j)).or_default().extend(own);
+            }
+            for (k, rates) in (first..first + unknowns).zip(&rates) {
+                let Some(mixed) = entry(k, i) else { continue };
+                for (&j, &rate) in rates {
+                    terms.entry((i, j)).or_default().push((mixed, rate));
+                }
+            }
+        }
+        let gradient = gradient.into_iter().map(|(i, x)| (i, x.at(&values))).collect();
+        Self { gradient, second: summed(terms), forms: Vec::new() }
+    }
+
+    /// Derivatives by the variables through vectors, whose entries have these places after `first`; none if something depends on the
+    /// variables otherwise.
+    fn through(
+        &self,
+        images: &LinearImages<'g>,
+        vectors: &[[usize; 3]],
+        first: usize,
+        with_second: bool,
+    ) -> Option<Derivatives<'g>> {
+        let is_free = |&place: &usize| place >= first;
+        if !self.gradient.keys().all(is_free) || !self.second.keys().all(|(i, j)| is_free(i) && is_free(j)) {
+            return None;
+        }
+        let sheet = self.gradient.values().next()?.sheet();
+        let by = |place: usize| self.gradient.get(&(first + place)).copied().unwrap_or_else(|| sheet.zero());
+        let by_vector: Vec<_> = vectors.iter().map(|v| Vector(v.map(by))).collect();
+        let gradient = images.gradient(&by_vector);
+        if !with_second {
+            return Some(Derivatives { gradient, hessian: Vec::new() });
+        }
+        let entry = |i: usize, j: usize| {
+            let (i, j) = (first + i, first + j);
+            let entry = self.second.get(&(i, j)).or_else(|| self.second.get(&(j, i)));
+            entry.copied().unwrap_or_else(|| sheet.zero())
+        };
+        let block = |m: &[usize; 3], l: &[usize; 3]| Mat3::from_fn(|a, b| entry(m[a], l[b]));
+        let second = vectors.iter().map(|m| vectors.iter().map(|l| block(m, l)).collect()).collect();
+        Some(Derivatives { gradient, hessian: images.hessian(&second) })
     }
 
     /// Adds the second derivatives of μ·r by symbols below a level and by a root's unknowns, at these places of the level.
@@ -284,7 +412,7 @@ impl<'g> Expansion<'g> {
             return Derivatives { gradient, hessian: Vec::new() };
         }
         let mut terms = Terms::new();
-        for (&place, &x) in &self.second {
+        for (&place, &x) in self.second.iter().filter(|((i, j), _)| i >= j) {
             terms.entry(place).or_default().push((x, sheet.one()));
         }
         for form in &self.forms {
@@ -388,7 +516,7 @@ fn summed<'g, K: Ord + Copy>(terms: Terms<'g, K>) -> BTreeMap<K, Expr<'g>> {
     sums
 }
 
-fn insert<'g, K: Ord>(into: &mut BTreeMap<K, Expr<'g>>, place: K, x: Expr<'g>) {
+pub(super) fn insert<'g, K: Ord>(into: &mut BTreeMap<K, Expr<'g>>, place: K, x: Expr<'g>) {
     if !x.is_zero() {
         into.insert(place, x);
     }

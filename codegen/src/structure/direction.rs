@@ -65,12 +65,12 @@ impl<'g> Direction<'g> {
         let mut open = vec![(x.id(), false)];
         while let Some((expr, is_done)) = open.pop() {
             if is_done {
-                order.extend(graph.dependencies(expr).first().map(|&definition| (expr, definition)));
+                order.extend(graph.varying_dependencies(expr).first().map(|&definition| (expr, definition)));
             } else if seen.insert(expr) {
                 if matches!(graph.op(expr), Op::Symbol(_)) {
                     open.push((expr, true));
                 }
-                open.extend(graph.dependencies(expr).into_iter().map(|x| (x, false)));
+                open.extend(graph.varying_dependencies(expr).into_iter().map(|x| (x, false)));
             }
         }
         order

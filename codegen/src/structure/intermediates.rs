@@ -91,7 +91,7 @@ fn visit(
     if let Some(&known) = depends.get(&expr) {
         return known;
     }
-    let dependencies = graph.dependencies(expr);
+    let dependencies = graph.varying_dependencies(expr);
     let mut any = false;
     for &x in &dependencies {
         any |= visit(graph, x, depends, order);
@@ -197,7 +197,7 @@ impl<'g> Finder<'g> {
             Kind { reach: Reach::One(expr), is_linear: true }
         } else {
             let operands: Vec<Kind> =
-                graph.dependencies(expr).into_iter().map(|x| self.kind(graph, x, kinds)).collect();
+                graph.varying_dependencies(expr).into_iter().map(|x| self.kind(graph, x, kinds)).collect();
             let reach = operands.iter().fold(Reach::None, |reach, kind| match (reach, kind.reach) {
                 (Reach::None, other) | (other, Reach::None) => other,
                 (one, other) if one == other => one,
@@ -262,7 +262,7 @@ mod tests {
         found.sort();
         expected.sort();
         assert_eq!(found, expected);
-        assert_eq!(written.chain.choices(), 4);
+        assert_eq!(written.chain.ways().len(), 4);
         assert!(variables.iter().all(|&x| !written.outputs[0].contains(x)));
         assert!(names(&as_bound(&[energy], &variables)).is_empty());
     }

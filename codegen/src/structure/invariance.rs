@@ -1,13 +1,14 @@
 //! Derivatives by the positions of a few nodes, with as few operations as the ways tried take.
 //!
-//! A function of the differences of positions does not change with a translation: Σ_k ∂E/∂x_k = 0. Rows of the first node then follow
+//! A function of the differences of positions does not change with a translation: Σ_k ∂E/∂x_k = 0. Rows of one node then follow
 //! from those of the others. That is found in the expressions, by moving all nodes by the position of the first: if nothing depends on it
-//! any more, the function is one of differences.
+//! any more, the function is one of differences. Vectors of several inputs may be nodes of one group, such as a slave and its masters. The
+//! node that is left out is the one whose own rows take most operations.
 
-use super::chain::Derivatives;
+use super::chain::{Chain, Derivatives, Way};
 use super::direction::Direction;
 use super::intermediates::{Written, as_bound, with_found};
-use crate::expr::{Expr, Sheet, ids, total};
+use crate::expr::{Expr, Sheet, all_at, ids, total};
 use crate::graph::ExprId;
 
 /// Variables that are vectors of several nodes, one after another.
@@ -21,6 +22,20 @@ pub struct NodeVectors {
     pub components: usize,
 }
 
+/// A group of nodes that the function does not depend on the place of, without one of them.
+#[derive(Clone, Copy, Debug)]
+struct Invariant {
+    nodes: NodeVectors,
+    left_out: usize,
+}
+
+/// A way to write a function, with its groups and the places of the variables that derivatives are taken by.
+struct Writing<'g> {
+    written: Written<'g>,
+    invariant: Vec<Invariant>,
+    free: Vec<usize>,
+}
+
 /// Gradient and, if asked for, Hessian of a function of element scope by all variables, through the intermediates it has.
 #[must_use]
 pub fn total_derivatives<'g>(
@@ -30,32 +45,26 @@ pub fn total_derivatives<'g>(
     nodes: &[NodeVectors],
     with_hessian: bool,
 ) -> Derivatives<'g> {
-    let ways = [as_bound(&[function], variables), with_found(sheet, &[function], variables)];
-    let invariant = invariant(&ways[0], variables, nodes);
-    let free = free(variables.len(), &invariant);
-    let cheapest = ways
-        .iter()
-        .flat_map(|way| {
-            let chain = way.chain.with_variables(free.iter().map(|&place| variables[place]).collect());
-            let forms = if with_hessian { 0..chain.choices() } else { 0..1 };
-            forms.map(move |forms| (way.outputs[0], chain.clone(), forms)).collect::<Vec<_>>()
-        })
-        .map(|(function, chain, forms)| {
-            let derivatives = chain.derivatives(function, with_hessian, forms);
-            complete(sheet, &derivatives, &free, variables.len(), &invariant)
-        })
-        .min_by_key(|derivatives| {
-            let roots: Vec<ExprId> =
-                derivatives.gradient.iter().chain(&derivatives.hessian).map(|x| x.id()).collect();
-            sheet.graph().operations(&roots)
-        });
+    let writings = writings(sheet, function, variables, nodes);
+    let cheapest = writings.iter().flat_map(|writing| {
+        let ways = writing.ways(with_hessian);
+        ways.into_iter()
+            .map(|way| writing.derivatives(sheet, variables, with_hessian, way))
+            .collect::<Vec<_>>()
+    });
+    let cheapest = cheapest.min_by_key(|derivatives| {
+        let roots: Vec<ExprId> =
+            derivatives.gradient.iter().chain(&derivatives.hessian).map(|x| x.id()).collect();
+        sheet.graph().operations(&roots)
+    });
     cheapest.expect("there is a first way")
 }
 
 /// The product of the Hessian with a direction, without the Hessian.
 ///
 /// It is the rate of the gradient in the direction, forward over reverse, and the gradient of the function's rate, reverse over forward.
-/// What takes fewer operations depends on the function.
+/// What takes fewer operations depends on the function. That of a function which is stationary in something has a rate for the first way
+/// only: the second one would need what the first knows to be zero.
 #[must_use]
 pub fn hessian_product<'g>(
     sheet: &'g Sheet,
@@ -65,23 +74,62 @@ pub fn hessian_product<'g>(
     nodes: &[NodeVectors],
 ) -> Vec<Expr<'g>> {
     let rates = || variables.iter().copied().zip(direction.iter().copied());
-    let ways = [as_bound(&[function], variables), with_found(sheet, &[function], variables)];
-    let invariant = invariant(&ways[0], variables, nodes);
-    let free = free(variables.len(), &invariant);
-    let forward_over_reverse = ways.iter().map(|way| {
-        let chain = way.chain.with_variables(free.iter().map(|&place| variables[place]).collect());
-        let gradient = chain.derivatives(way.outputs[0], false, 0).gradient;
+    let writings = writings(sheet, function, variables, nodes);
+    let forward_over_reverse = writings.iter().map(|writing| {
+        let gradient = writing.gradient(variables, Way::default());
         let mut along = Direction::new(sheet, rates());
         let rates = gradient.into_iter().map(|x| along.derivative(x)).collect();
-        let derivatives = Derivatives { gradient: rates, hessian: Vec::new() };
         // The sum of the gradient's rows vanishes whatever the positions are, so that of their rates does.
-        complete(sheet, &derivatives, &free, variables.len(), &invariant).gradient
+        writing.complete(sheet, rates, Vec::new(), variables.len()).gradient
     });
-    let forward_over_reverse: Vec<_> = forward_over_reverse.collect();
-    let rate = Direction::new(sheet, rates()).derivative(function);
-    let reverse_over_forward = total_derivatives(sheet, rate, variables, nodes, false).gradient;
-    let products = forward_over_reverse.into_iter().chain([reverse_over_forward]);
-    products.min_by_key(|product| sheet.graph().operations(&ids(product))).expect("there is a first way")
+    let mut products: Vec<Vec<Expr<'g>>> = forward_over_reverse.collect();
+    if writings[0].written.chain.known_values().is_empty() {
+        let rate = Direction::new(sheet, rates()).derivative(function);
+        products.push(total_derivatives(sheet, rate, variables, nodes, false).gradient);
+    }
+    let cheapest = products.into_iter().min_by_key(|product| sheet.graph().operations(&ids(product)));
+    cheapest.expect("there is a first way")
+}
+
+/// The function as it is and with the intermediates that are found in it, with vectors of adjacent inputs as nodes of one group and
+/// without.
+fn writings<'g>(
+    sheet: &'g Sheet,
+    function: Expr<'g>,
+    variables: &[Expr<'g>],
+    nodes: &[NodeVectors],
+) -> Vec<Writing<'g>> {
+    let bound = as_bound(&[function], variables);
+    let mut groupings = vec![invariant(&bound, variables, nodes)];
+    let joined = joined(nodes);
+    if joined != nodes {
+        let joined = invariant(&bound, variables, &joined);
+        // Groups that do not change one by one do not change together.
+        if !joined.is_empty() {
+            groupings.push(joined);
+        }
+    }
+    let ways = [bound, with_found(sheet, &[function], variables)];
+    let writing = |written: &Written<'g>, groups: &Vec<NodeVectors>| {
+        let mut writing = Writing::new(written.clone(), variables.len(), groups);
+        writing.leave_out_costliest(sheet, variables);
+        writing
+    };
+    ways.iter().flat_map(|way| groupings.iter().map(move |groups| writing(way, groups))).collect()
+}
+
+/// Adjacent groups as one each.
+fn joined(nodes: &[NodeVectors]) -> Vec<NodeVectors> {
+    let mut joined: Vec<NodeVectors> = Vec::new();
+    for &group in nodes {
+        match joined.last_mut() {
+            Some(last) if last.components == group.components && last.end() == group.first => {
+                last.nodes += group.nodes;
+            }
+            _ => joined.push(group),
+        }
+    }
+    joined
 }
 
 /// The groups that the function does not depend on the place of.
@@ -89,20 +137,26 @@ fn invariant<'g>(way: &Written<'g>, variables: &[Expr<'g>], nodes: &[NodeVectors
     nodes.iter().copied().filter(|group| is_invariant(way, variables, group)).collect()
 }
 
-/// Places of variables whose derivatives do not follow from those of others.
-fn free(count: usize, invariant: &[NodeVectors]) -> Vec<usize> {
-    (0..count).filter(|&place| !invariant.iter().any(|group| group.of_first_node(place))).collect()
+impl NodeVectors {
+    const fn end(&self) -> usize {
+        self.first + self.nodes * self.components
+    }
 }
 
-impl NodeVectors {
-    const fn of_first_node(&self, place: usize) -> bool {
-        place >= self.first && place < self.first + self.components
+impl Invariant {
+    const fn leaves_out(&self, place: usize) -> bool {
+        let first = self.place(self.left_out, 0);
+        place >= first && place < first + self.nodes.components
     }
 
-    /// Places of a component of the nodes after the first.
+    const fn place(&self, node: usize, component: usize) -> usize {
+        self.nodes.first + node * self.nodes.components + component
+    }
+
+    /// Places of a component of the other nodes.
     fn others(&self, component: usize) -> impl Iterator<Item = usize> {
-        let (first, components) = (self.first, self.components);
-        (1..self.nodes).map(move |node| first + node * components + component)
+        let nodes = (0..self.nodes.nodes).filter(|&node| node != self.left_out);
+        nodes.map(move |node| self.place(node, component))
     }
 }
 
@@ -112,9 +166,8 @@ fn is_invariant<'g>(way: &Written<'g>, variables: &[Expr<'g>], group: &NodeVecto
         return false;
     }
     let first = &variables[group.first..group.first + group.components];
-    let moved: Vec<(Expr<'g>, Expr<'g>)> = (0..group.components)
-        .flat_map(|component| group.others(component).map(move |place| (component, place)))
-        .map(|(component, place)| (variables[place], variables[place] + first[component]))
+    let moved: Vec<(Expr<'g>, Expr<'g>)> = (group.first + group.components..group.end())
+        .map(|place| (variables[place], variables[place] + first[(place - group.first) % group.components]))
         .collect();
     let definitions = way.chain.intermediates().map(|v| v.definition);
     definitions.chain(way.outputs.iter().copied()).all(|piece| {
@@ -123,46 +176,109 @@ fn is_invariant<'g>(way: &Written<'g>, variables: &[Expr<'g>], group: &NodeVecto
     })
 }
 
-/// The derivatives by all variables from those by the free ones.
-fn complete<'g>(
-    sheet: &'g Sheet,
-    derivatives: &Derivatives<'g>,
-    free: &[usize],
-    count: usize,
-    invariant: &[NodeVectors],
-) -> Derivatives<'g> {
-    let mut gradient = vec![sheet.zero(); count];
-    free.iter().zip(&derivatives.gradient).for_each(|(&place, &x)| gradient[place] = x);
-    let held: Vec<(NodeVectors, usize)> = invariant
-        .iter()
-        .flat_map(|&group| (0..group.components).map(move |component| (group, component)))
-        .collect();
-    for (group, component) in &held {
-        gradient[group.first + component] = -total(group.others(*component).map(|other| gradient[other]));
-    }
-    if derivatives.hessian.is_empty() {
-        return Derivatives { gradient, hessian: Vec::new() };
+impl<'g> Writing<'g> {
+    fn new(written: Written<'g>, count: usize, groups: &[NodeVectors]) -> Self {
+        let invariant = groups.iter().map(|&nodes| Invariant { nodes, left_out: 0 }).collect();
+        let mut writing = Self { written, invariant, free: Vec::new() };
+        writing.set_free(count);
+        writing
     }
 
-    let mut matrix = vec![vec![sheet.zero(); count]; count];
-    let mut entries = derivatives.hessian.iter();
-    for (row, &i) in free.iter().enumerate() {
-        for (&j, &x) in free[..=row].iter().zip(&mut entries) {
-            (matrix[i][j], matrix[j][i]) = (x, x);
-        }
+    fn set_free(&mut self, count: usize) {
+        let is_free = |place: &usize| !self.invariant.iter().any(|group| group.leaves_out(*place));
+        self.free = (0..count).filter(is_free).collect();
     }
-    let mut known = free.to_vec();
-    for (group, component) in &held {
-        let place = group.first + component;
-        known.push(place);
-        for &j in &known {
-            // In its own column the sums of the other rows are there already, as its row is symmetric.
-            let x = -total(group.others(*component).map(|other| matrix[other][j]));
-            (matrix[place][j], matrix[j][place]) = (x, x);
+
+    /// Leaves the node out of each group whose rows of the gradient take most operations by themselves.
+    fn leave_out_costliest(&mut self, sheet: &'g Sheet, variables: &[Expr<'g>]) {
+        if self.invariant.is_empty() {
+            return;
         }
+        let chain = self.written.chain.with_variables(variables.to_vec());
+        let gradient = chain.derivatives(self.written.outputs[0], false, Way::default()).gradient;
+        for group in &mut self.invariant {
+            let cost = |&node: &usize| {
+                let places = (0..group.nodes.components).map(|component| group.place(node, component));
+                let rows: Vec<ExprId> = places.map(|place| gradient[place].id()).collect();
+                sheet.graph().operations(&rows)
+            };
+            // The first of several, for the order of the result.
+            group.left_out = (0..group.nodes.nodes).rev().max_by_key(cost).unwrap_or(0);
+        }
+        self.set_free(variables.len());
     }
-    let hessian = (0..count).flat_map(|i| matrix[i][..=i].to_vec()).collect();
-    Derivatives { gradient, hessian }
+
+    /// The ways to eliminate its intermediates: of a gradient, those that differ for one.
+    fn ways(&self, with_hessian: bool) -> Vec<Way> {
+        let ways = self.written.chain.ways();
+        if with_hessian { ways } else { vec![Way::default()] }
+    }
+
+    /// The gradient by the free variables.
+    fn gradient(&self, variables: &[Expr<'g>], way: Way) -> Vec<Expr<'g>> {
+        self.chain(variables).derivatives(self.written.outputs[0], false, way).gradient
+    }
+
+    fn chain(&self, variables: &[Expr<'g>]) -> Chain<'g> {
+        self.written.chain.with_variables(self.free.iter().map(|&place| variables[place]).collect())
+    }
+
+    /// The derivatives by all variables.
+    fn derivatives(
+        &self,
+        sheet: &'g Sheet,
+        variables: &[Expr<'g>],
+        with_hessian: bool,
+        way: Way,
+    ) -> Derivatives<'g> {
+        let chain = self.chain(variables);
+        let Derivatives { gradient, hessian } = chain.derivatives(self.written.outputs[0], with_hessian, way);
+        let gradient = all_at(&gradient, &chain.known_values());
+        self.complete(sheet, gradient, hessian, variables.len())
+    }
+
+    /// The derivatives by all variables from those by the free ones.
+    fn complete(
+        &self,
+        sheet: &'g Sheet,
+        by_free: Vec<Expr<'g>>,
+        hessian: Vec<Expr<'g>>,
+        count: usize,
+    ) -> Derivatives<'g> {
+        let free = &self.free;
+        let mut gradient = vec![sheet.zero(); count];
+        free.iter().zip(by_free).for_each(|(&place, x)| gradient[place] = x);
+        let components =
+            |group: &Invariant| (0..group.nodes.components).map(|c| (*group, c)).collect::<Vec<_>>();
+        let held: Vec<(Invariant, usize)> = self.invariant.iter().flat_map(components).collect();
+        for (group, component) in &held {
+            let others = group.others(*component).map(|other| gradient[other]);
+            gradient[group.place(group.left_out, *component)] = -total(others);
+        }
+        if hessian.is_empty() {
+            return Derivatives { gradient, hessian };
+        }
+
+        let mut matrix = vec![vec![sheet.zero(); count]; count];
+        let mut entries = hessian.iter();
+        for (row, &i) in free.iter().enumerate() {
+            for (&j, &x) in free[..=row].iter().zip(&mut entries) {
+                (matrix[i][j], matrix[j][i]) = (x, x);
+            }
+        }
+        let mut known = free.clone();
+        for (group, component) in &held {
+            let place = group.place(group.left_out, *component);
+            known.push(place);
+            for &j in &known {
+                // In its own column the sums of the other rows are there already, as its row is symmetric.
+                let x = -total(group.others(*component).map(|other| matrix[other][j]));
+                (matrix[place][j], matrix[j][place]) = (x, x);
+            }
+        }
+        let hessian = (0..count).flat_map(|i| matrix[i][..=i].to_vec()).collect();
+        Derivatives { gradient, hessian }
+    }
 }
 
 #[cfg(test)]

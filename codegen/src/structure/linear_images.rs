@@ -11,8 +11,9 @@
 //! s ⊗ d_l. That is found in the expressions, not assumed. W_jm is then s ⊗ w with a vector w, and all such
 //! terms of a block with the same s are one product.
 
+use super::chain::Intermediate;
 use super::factors::common_factor;
-use crate::expr::{Expr, Mat3, Vec3, Vector, dot};
+use crate::expr::{AXES, Expr, Mat3, Vec3, Vector, dot};
 
 /// Coefficients c_km of vectors that are linear in the positions of nodes; `[node][vector]`.
 #[derive(Clone, Debug)]
@@ -74,6 +75,37 @@ impl<'g> LinearImages<'g> {
         }
         packed
     }
+}
+
+/// Intermediates as vectors that are linear in vectors of nodes, which the variables are, three for each: the coefficients, and of each
+/// vector the places of its entries. None if there is an intermediate of another kind.
+pub(super) fn vectors_of_nodes<'g>(
+    intermediates: &[Intermediate<'g>],
+    variables: &[Expr<'g>],
+) -> Option<(LinearImages<'g>, Vec<[usize; 3]>)> {
+    let names: Vec<String> = intermediates.iter().map(|v| v.symbol.symbol_name()).collect();
+    let first = names.iter().filter_map(|name| name.strip_suffix("_x"));
+    let place = |vector: &str, axis: &str| names.iter().position(|name| *name == format!("{vector}_{axis}"));
+    let vectors: Vec<[usize; 3]> = first
+        .map(|vector| {
+            let [x, y, z] = AXES.map(|axis| place(vector, axis));
+            Some([x?, y?, z?])
+        })
+        .collect::<Option<_>>()?;
+    if 3 * vectors.len() != intermediates.len() || variables.len() % 3 != 0 || vectors.is_empty() {
+        return None;
+    }
+    let is_free = |x: Expr<'g>| variables.iter().all(|&variable| !x.contains(variable));
+    let coefficient = |vector: &[usize; 3], node: &[Expr<'g>]| {
+        let by = |a: usize, b: usize| intermediates[vector[a]].definition.by(node[b]);
+        let c = by(0, 0);
+        let is_multiple =
+            (0..3).all(|a| (0..3).all(|b| if a == b { by(a, b) == c } else { by(a, b).is_zero() }));
+        (is_multiple && is_free(c)).then_some(c)
+    };
+    let coefficients: Option<Vec<Vec<Expr<'g>>>> =
+        variables.chunks(3).map(|node| vectors.iter().map(|v| coefficient(v, node)).collect()).collect();
+    Some((LinearImages::new(coefficients?), vectors))
 }
 
 fn classify<'g>(row: &[Mat3<'g>]) -> Rows<'g> {

@@ -11,6 +11,7 @@ mod fit_derivatives;
 mod follower;
 mod intermediates;
 mod invariance;
+mod known;
 mod linear_images;
 mod low_rank;
 mod node_problem;
@@ -18,7 +19,7 @@ mod node_sums;
 mod outer_block;
 mod point;
 
-pub use chain::{Chain, Derivatives, Intermediate};
+pub use chain::{Chain, Derivatives, Intermediate, Way};
 pub use coordinates::CoordinateMap;
 pub use direction::Direction;
 pub use elimination::Elimination;

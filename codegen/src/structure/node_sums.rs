@@ -175,7 +175,7 @@ impl Order<'_, '_> {
             group.map_or_else(|| vec![expr], |group| group.unknowns.iter().map(|x| x.id()).collect());
         let mut any = false;
         for member in &members {
-            for x in self.graph.dependencies(*member) {
+            for x in self.graph.varying_dependencies(*member) {
                 any |= self.visit(x);
             }
         }

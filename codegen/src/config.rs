@@ -6,7 +6,8 @@ use std::path::{Path, PathBuf};
 use crate::contact::{EmitOptions, TooLong, emit_file};
 use crate::emit::{MOST_STATEMENTS, emit_c, emit_element, emit_element_test};
 use crate::model::{
-    Basis, BasisError, CustomBasis, ElementError, ElementKernels, ElementModel, Weight, WeightError,
+    Basis, BasisError, CustomBasis, ElementError, ElementKernels, ElementModel, FacetShape, Weight,
+    WeightError,
 };
 
 /// Why kernels were not generated.
@@ -29,7 +30,7 @@ pub enum ConfigError {
         /// What is wrong, with the name of the expression.
         source: ElementError,
     },
-    /// An element has the name of another one, of a weight or of the facets.
+    /// An element has the name of another one or of a weight.
     #[error("two modules are named \"{name}\", one of them of an element")]
     DuplicateElement {
         /// The name.
@@ -118,7 +119,6 @@ pub struct Config {
     bases: Vec<Basis>,
     elements: Vec<ElementKernels>,
     tests: Vec<ElementTest>,
-    facets: bool,
     fit: bool,
     friction: bool,
     support: String,
@@ -149,7 +149,6 @@ impl Config {
             bases: Basis::ALL.to_vec(),
             elements: Vec::new(),
             tests: Vec::new(),
-            facets: false,
             fit: false,
             friction: false,
             support: "::diffuse_contact_kernels::support".to_owned(),
@@ -223,10 +222,10 @@ impl Config {
         Ok(self)
     }
 
-    /// Adds the kernels of contact on the facets themselves, in the module `facet`.
+    /// Adds the elements of contact on the facets themselves, in the modules `gap_over_triangle` and `gap_over_quadrilateral`.
     #[must_use]
-    pub const fn facets(mut self) -> Self {
-        self.facets = true;
+    pub fn facets(mut self) -> Self {
+        self.elements.extend(FacetShape::ALL.map(ElementKernels::facet));
         self
     }
 
@@ -350,7 +349,7 @@ impl Config {
             .with_fit(self.fit)
             .with_friction(self.friction)
             .with_optimised(optimised);
-        emit_file(&self.weights, self.facets, elements, options)
+        emit_file(&self.weights, elements, options)
     }
 
     fn element_modules(
@@ -358,8 +357,7 @@ impl Config {
         support: &syn::Path,
         optimised: bool,
     ) -> Result<Vec<proc_macro2::TokenStream>, ConfigError> {
-        let weights = self.weights.iter().flatten().map(Weight::name);
-        let mut modules: Vec<&str> = weights.chain(self.facets.then_some("facet")).collect();
+        let mut modules: Vec<&str> = self.weights.iter().flatten().map(Weight::name).collect();
         let mut all = Vec::new();
         for element in &self.elements {
             let name = element.signature.name.as_str();

@@ -121,8 +121,7 @@ pub use expr::{Expr, Sheet};
 pub use graph::Limits;
 pub use model::{
     Basis, BasisError, CustomBasis, Defined, ElementError, ElementKernels, ElementModel, FacetShape,
-    FacetSpec, FrameRule, Kernel, KernelSpec, Mode, NodeResult, Output, Stationary, Weight, WeightError,
-    WeightNote,
+    FrameRule, Kernel, KernelSpec, Mode, NodeResult, Output, Stationary, Weight, WeightError, WeightNote,
 };
 
 /// The examples of the README, which are run with the documentation tests.

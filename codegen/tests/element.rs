@@ -354,8 +354,8 @@ fn an_element_has_a_name_of_its_own() {
     let square = |m: &ElementModel<'_>| m.energy(m.variable::<Expr<'_>>("x").powi(2));
     let twice = Config::new().element("a", square).unwrap().element("a", square).unwrap();
     let weight = Config::new().cubic().element("cubic", square).unwrap();
-    let facet = Config::new().facets().element("facet", square).unwrap();
-    for (config, expected) in [(twice, "a"), (weight, "cubic"), (facet, "facet")] {
+    let facet = Config::new().facets().element("gap_over_triangle", square).unwrap();
+    for (config, expected) in [(twice, "a"), (weight, "cubic"), (facet, "gap_over_triangle")] {
         let error = config.source().unwrap_err();
         let ConfigError::DuplicateElement { name } = &error else { panic!("{error}") };
         assert_eq!(name, expected);

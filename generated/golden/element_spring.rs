@@ -5,6 +5,7 @@
 pub mod spring {
     use ::diffuse_contact_kernels::support::{Isa, Lane, Mode, Vector, WithLanes};
     use ::diffuse_contact_kernels::support::packed_row;
+    use ::diffuse_contact_kernels::support::first_entries;
     /// Whether the kernels are compiled with optimisation. Without, they are compiled number by number only.
     const OPTIMISED: bool = true;
     /// Number of variables: entries of a gradient.
@@ -251,6 +252,25 @@ pub mod spring {
         let mut results = Results::ZERO;
         evaluate_into(mode, inputs, &mut results);
         results
+    }
+    /// Evaluates one element, its derivatives to slices. Those that the mode does not ask for are not touched, and may be empty.
+    ///
+    /// Entries of the slices: `gradient` 6, `hessian` 21.
+    ///
+    /// # Panics
+    /// If a slice is shorter than the mode needs.
+    #[must_use]
+    pub fn evaluate_to(
+        mode: Mode,
+        inputs: &Inputs<f64>,
+        gradient: &mut [f64],
+        hessian: &mut [f64],
+    ) -> Values<f64> {
+        match mode {
+            Mode::Value => self::value(inputs),
+            Mode::Gradient => self::gradient(inputs, first_entries(gradient)),
+            _ => self::hessian(inputs, first_entries(gradient), first_entries(hessian)),
+        }
     }
     fn evaluate_into(mode: Mode, inputs: &Inputs<f64>, results: &mut Results) {
         results.values = match mode {

@@ -2,8 +2,8 @@
 //!
 //! Nothing in here but [`support`] is written by hand: the build script generates the rest from the formulas in
 //! `diffuse-contact-codegen`. For every weight there is a module with the kernels of both bases, and a
-//! [`support::KernelSet`] that chooses among them by basis, frame rule and mode. The module `facet` has the
-//! distance from a facet itself, a triangle or a quadrilateral.
+//! [`support::KernelSet`] that chooses among them by basis, frame rule and mode. The modules `gap_over_triangle` and
+//! `gap_over_quadrilateral` have the distance from a facet itself.
 //!
 //! Users call the kernels through `diffuse-contact`, or include those of a weight or an element of their own in their own crate. These need
 //! [`support`] alone: without the feature `contact` no kernel is generated here. What users touch here is the choice of vector

@@ -5,11 +5,9 @@ use std::io::{self, Write};
 use std::path::PathBuf;
 
 use clap::{Args, value_parser};
-use diffuse_contact_codegen::contact::{emit_facet_kernel, emit_kernel, emit_single, emit_single_facet};
-use diffuse_contact_codegen::emit::{KernelCounts, OpCounts, emit_c};
-use diffuse_contact_codegen::{
-    Basis, ElementKernels, FacetShape, FacetSpec, FrameRule, KernelSpec, Mode, Output,
-};
+use diffuse_contact_codegen::contact::{emit_kernel, emit_single, emit_single_element};
+use diffuse_contact_codegen::emit::{KernelCounts, OpCounts, emit_c, emit_element_kernel};
+use diffuse_contact_codegen::{Basis, ElementKernels, FacetShape, FrameRule, KernelSpec, Mode, Output};
 use diffuse_contact_program::arguments::named;
 
 use crate::error::CliError;
@@ -133,7 +131,7 @@ pub fn run(arguments: &EmitArguments) -> Result<(), CliError> {
     let weight = arguments.fit.weight()?.unwrap_or_default().for_generator();
     let language = arguments.lang.unwrap_or_default();
     let text = match (arguments.facet, arguments.output, arguments.mode) {
-        (Some(shape), _, Some(mode)) => facet_source(FacetSpec { shape, mode }, language),
+        (Some(shape), _, Some(mode)) => facet_source(shape, mode, language),
         (None, Some(output), Some(mode)) => {
             let basis = arguments.fit.basis.unwrap_or(Basis::Quadratic);
             let frame = arguments.frame_derivative.unwrap_or_default();
@@ -186,12 +184,15 @@ fn c_source(spec: &KernelSpec) -> Result<String, EmitError> {
 }
 
 /// A kernel of contact on facets.
-fn facet_source(spec: FacetSpec, language: Language) -> String {
+fn facet_source(shape: FacetShape, mode: Mode, language: Language) -> String {
+    let mut element = ElementKernels::facet(shape);
     match language {
-        Language::Rust => emit_single_facet(spec, &syn::parse_quote!(::diffuse_contact_kernels::support)).0,
+        Language::Rust => {
+            let support = syn::parse_quote!(::diffuse_contact_kernels::support);
+            emit_single_element(&element.kernels[mode as usize], &support).0
+        }
         Language::C => {
-            let mut element = ElementKernels::facet(spec.shape);
-            element.kernels.retain(|kernel| kernel.spec.mode == spec.mode);
+            element.kernels.retain(|kernel| kernel.spec.mode == mode);
             emit_c(&[element])
         }
     }
@@ -272,8 +273,9 @@ fn counts_of_facets() -> String {
     let mut text = "\n| facet         |  value | gradient | hessian |\n".to_owned();
     text += "| ------------- | -----: | -------: | ------: |\n";
     for shape in FacetShape::ALL {
+        let kernels = ElementKernels::facet(shape).kernels;
         let [value, gradient, hessian] =
-            Mode::ALL.map(|mode| emit_facet_kernel(FacetSpec { shape, mode }).counts.total());
+            Mode::ALL.map(|mode| emit_element_kernel(&kernels[mode as usize]).counts.total());
         let name = shape.name();
         let _ = writeln!(text, "| {name:<13} | {value:>6} | {gradient:>8} | {hessian:>7} |");
     }

@@ -5,19 +5,19 @@ use std::sync::OnceLock;
 
 use diffuse_contact::{ContactPoint, ElementError, FacetElement, FacetPoint, Gap, Mode, SymmetricMatrix};
 use diffuse_contact_codegen::interpret::{Interpreter, NodeInputs};
-use diffuse_contact_codegen::{self as codegen, FacetShape, FacetSpec, Kernel};
-use diffuse_contact_kernels::support::FacetValues;
+use diffuse_contact_codegen::model::ElementSpec;
+use diffuse_contact_codegen::{ElementKernels, FacetShape, Kernel};
+use diffuse_contact_kernels::support::FacetFigures;
 
 use crate::interpreted::mode_of;
 
-const MODES: usize = codegen::Mode::ALL.len();
 const SHAPES: usize = FacetShape::ALL.len();
 
 /// Evaluates facets by interpreting the graph their kernels are generated from, which is built when it is first needed
 /// and kept.
 #[derive(Debug, Default)]
 pub struct InterpretedFacets {
-    kernels: [OnceLock<Kernel<FacetSpec>>; SHAPES * MODES],
+    elements: [OnceLock<ElementKernels>; SHAPES],
 }
 
 impl InterpretedFacets {
@@ -29,25 +29,23 @@ impl InterpretedFacets {
     pub fn gap(&self, element: &FacetElement<'_>, mode: Mode) -> Result<(Gap, FacetPoint), ElementError> {
         element.validate()?;
         let shape = if element.corners.len() == 3 { FacetShape::Triangle } else { FacetShape::Quadrilateral };
-        let spec = FacetSpec { shape, mode: mode_of(mode) };
-        let kernel =
-            self.kernels[shape as usize * MODES + spec.mode as usize].get_or_init(|| Kernel::facet(spec));
+        let facet = self.elements[shape as usize].get_or_init(|| ElementKernels::facet(shape));
+        let kernel = &facet.kernels[mode_of(mode) as usize];
         let inputs = inputs(element);
         let mut evaluation = Evaluation { kernel, interpreter: Interpreter::new(&kernel.graph, &inputs) };
-        let values = FacetValues {
-            gap: evaluation.scalar("gap"),
-            foot: evaluation.array("foot"),
-            normal: evaluation.array("normal"),
-            natural: evaluation.array("natural"),
+        let (gap, foot, normal) =
+            (evaluation.scalar("gap"), evaluation.array("foot"), evaluation.array("normal"));
+        let natural = evaluation.array("natural");
+        let figures = FacetFigures {
             corner_area: evaluation.scalar("corner_area"),
             foot_area: evaluation.scalar("foot_area"),
             foot_residual: evaluation.scalar("foot_residual"),
             foot_iterations: evaluation.scalar("foot_iterations"),
             jacobian_determinant: evaluation.scalar("jacobian_determinant"),
-            checksum: evaluation.scalar("checksum"),
         };
-        ElementError::check(values.status())?;
-        let FacetValues { gap, foot, normal, natural, .. } = values;
+        let mut all = kernel.values.iter().flat_map(|value| &value.components);
+        let are_finite = all.all(|&x| evaluation.interpreter.element(x).is_finite());
+        ElementError::check(figures.status(are_finite))?;
         let packed = evaluation.values("hessian");
         let size = if packed.is_empty() { 0 } else { element.degrees_of_freedom() };
         let mut hessian = SymmetricMatrix::zeros(size);
@@ -60,7 +58,7 @@ impl InterpretedFacets {
 
 /// One facet on its way through one kernel's graph.
 struct Evaluation<'a> {
-    kernel: &'a Kernel<FacetSpec>,
+    kernel: &'a Kernel<ElementSpec>,
     interpreter: Interpreter<'a>,
 }
 
@@ -93,7 +91,7 @@ fn inputs(element: &FacetElement<'_>) -> NodeInputs {
     };
     set("slave", element.slave);
     for (k, corner) in element.corners.iter().enumerate() {
-        set(&format!("corner_{}", k + 1), *corner);
+        set(&format!("corners_{}", k + 1), *corner);
     }
     inputs
 }

@@ -3,10 +3,10 @@
 use std::fmt::Write as _;
 use std::process::Command;
 
+use diffuse_contact::{FacetElement, Generated};
 use diffuse_contact_kernels::cubic_interpolating::CubicInterpolating;
-use diffuse_contact_kernels::facet;
 use diffuse_contact_kernels::support::{
-    Basis, Domains, ElementInputs, FacetInputs, FrameRule, Isa, KernelSet as _, Masters, MaterialNode, Mode,
+    Basis, Domains, ElementInputs, FrameRule, Isa, KernelSet as _, Masters, MaterialNode, Mode,
 };
 
 use crate::runs::{Run, Scratch, run};
@@ -177,28 +177,26 @@ fn a_gap_in_c_is_that_of_the_product() {
 
 #[test]
 fn contact_on_facets_in_c_is_that_of_the_product_bit_for_bit() {
-    fn of<const CORNERS: usize>(
-        shape: &str,
-        kernel: impl Fn(&FacetInputs<f64, CORNERS>, &mut [f64], &mut [f64]) -> [f64; 7],
-    ) {
+    for (shape, count) in [("triangle", 3), ("quadrilateral", 4)] {
         let header = header(&["--facet", shape, "--mode", "hessian"]);
-        let freedoms = 3 * (CORNERS + 1);
+        let name = format!("gap_over_{shape}");
+        let freedoms = 3 * (count + 1);
         let packed = freedoms * (freedoms + 1) / 2;
         let square = [[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]];
         for seed in [0.2, 0.5, 0.9] {
             let mut random = random(seed);
-            let corners: [[f64; 3]; CORNERS] = std::array::from_fn(|k| {
-                [square[k][0] + 0.3 * random(), square[k][1] + 0.3 * random(), 0.5 * random()]
-            });
+            let corner = |xy: &[f64; 2]| [xy[0] + 0.3 * random(), xy[1] + 0.3 * random(), 0.5 * random()];
+            let corners: Vec<[f64; 3]> = square[..count].iter().map(corner).collect();
             let slave = [random(), random(), 0.4];
-            let (mut gradient, mut hessian) = (vec![0.0; freedoms], vec![0.0; packed]);
-            let values = kernel(&FacetInputs { slave, corners }, &mut gradient, &mut hessian);
-            let expected = [&values[..], &gradient, &hessian].concat();
+            let element = FacetElement { slave, corners: &corners };
+            let gap = Generated.facet_gap(&element, Mode::Hessian).unwrap();
+            let values = [&[gap.gap][..], &gap.foot, &gap.normal].concat();
+            let expected = [&values[..], &gap.gradient, gap.hessian.packed()].concat();
             let numbers = list(&[&slave[..], corners.as_flattened()].concat());
             let body = format!(
-                "static const double numbers[] = {{{numbers}}};\n{shape}_inputs inputs; {shape}_values values;\n\
+                "static const double numbers[] = {{{numbers}}};\n{name}_inputs inputs; {name}_values values;\n\
                  static double gradient[{freedoms}], hessian[{packed}];\nmemcpy(&inputs, numbers, sizeof inputs);\n\
-                 {shape}_hessian(&inputs, &values, gradient, hessian);\nprintf(\"%.17g\\n\", values.gap);\n\
+                 {name}_hessian(&inputs, &values, gradient, hessian);\nprintf(\"%.17g\\n\", values.gap);\n\
                  for (int i = 0; i < 3; i++) printf(\"%.17g\\n\", values.foot[i]);\n\
                  for (int i = 0; i < 3; i++) printf(\"%.17g\\n\", values.normal[i]);\n\
                  for (int i = 0; i < {freedoms}; i++) printf(\"%.17g\\n\", gradient[i]);\n\
@@ -208,14 +206,6 @@ fn contact_on_facets_in_c_is_that_of_the_product_bit_for_bit() {
             assert_eq!(found, expected, "{shape}");
         }
     }
-    of::<3>("triangle", |inputs, gradient, hessian| {
-        let values = facet::triangle(Mode::Hessian, inputs, gradient, hessian);
-        [&[values.gap][..], &values.foot, &values.normal].concat().try_into().unwrap()
-    });
-    of::<4>("quadrilateral", |inputs, gradient, hessian| {
-        let values = facet::quadrilateral(Mode::Hessian, inputs, gradient, hessian);
-        [&[values.gap][..], &values.foot, &values.normal].concat().try_into().unwrap()
-    });
 }
 
 #[test]

@@ -4,9 +4,10 @@
 //! facet's border, on its extension: [`FacetPoint::natural`] tells, and [`FacetElement::contains`] with it. The normal
 //! jumps from facet to facet; the diffuse element ([`Element`](crate::Element)) is there to avoid that.
 
-use diffuse_contact_kernels::facet::{quadrilateral, triangle};
-use diffuse_contact_kernels::support::{FacetInputs, FacetValues, RootSolution};
-use diffuse_contact_kernels::{slip_over_quadrilateral, slip_over_triangle};
+use diffuse_contact_kernels::support::{FacetFigures, RootSolution};
+use diffuse_contact_kernels::{
+    gap_over_quadrilateral, gap_over_triangle, slip_over_quadrilateral, slip_over_triangle,
+};
 
 use crate::kernels::check_anchor;
 use crate::output::SymmetricMatrix;
@@ -96,15 +97,9 @@ impl Generated {
         let mut gradient = if mode >= Mode::Gradient { vec![0.0; freedoms] } else { Vec::new() };
         let size = if mode >= Mode::Hessian { freedoms } else { 0 };
         let mut hessian = SymmetricMatrix::zeros(size);
-        let values = run(element, mode, &mut gradient, hessian.packed_mut())?;
-        Ok(Gap {
-            gap: values.gap,
-            foot: values.foot,
-            normal: values.normal,
-            coefficients: Vec::new(),
-            gradient,
-            hessian,
-        })
+        let ContactPoint { gap, foot, normal } =
+            run(element, mode, &mut gradient, hessian.packed_mut())?.point;
+        Ok(Gap { gap, foot, normal, coefficients: Vec::new(), gradient, hessian })
     }
 
     /// [`facet_gap`](Self::facet_gap) without allocation: N into `gradient`, 3(n+1) entries, and the packed lower
@@ -124,9 +119,7 @@ impl Generated {
         hessian: &mut [f64],
     ) -> Result<FacetPoint, ElementError> {
         element.validate()?;
-        let values = run(element, mode, gradient, hessian)?;
-        let point = ContactPoint { gap: values.gap, foot: values.foot, normal: values.normal };
-        Ok(FacetPoint { point, natural: values.natural })
+        run(element, mode, gradient, hessian)
     }
 
     /// The slip from an anchor on a facet, with the gap: q = ½ |P_ν d|² with d from `anchor` to the slave
@@ -254,13 +247,40 @@ fn run(
     mode: Mode,
     gradient: &mut [f64],
     hessian: &mut [f64],
-) -> Result<FacetValues<f64>, ElementError> {
+) -> Result<FacetPoint, ElementError> {
     let slave = element.slave;
-    let values = match *element.corners {
-        [a, b, c] => triangle(mode, &FacetInputs { slave, corners: [a, b, c] }, gradient, hessian),
-        [a, b, c, d] => quadrilateral(mode, &FacetInputs { slave, corners: [a, b, c, d] }, gradient, hessian),
+    // The kernels of both shapes return values of the same names.
+    macro_rules! run {
+        ($kernel:ident, $corners:expr) => {{
+            let inputs = $kernel::Inputs { slave, corners: $corners };
+            let $kernel::Values {
+                gap,
+                foot,
+                normal,
+                natural,
+                corner_area,
+                foot_area,
+                foot_residual,
+                foot_iterations,
+                jacobian_determinant,
+            } = $kernel::evaluate_to(mode, &inputs, gradient, hessian);
+            let figures =
+                FacetFigures { corner_area, foot_area, foot_residual, foot_iterations, jacobian_determinant };
+            (FacetPoint { point: ContactPoint { gap, foot, normal }, natural }, figures)
+        }};
+    }
+    let (found, figures) = match *element.corners {
+        [a, b, c] => run!(gap_over_triangle, [a, b, c]),
+        [a, b, c, d] => run!(gap_over_quadrilateral, [a, b, c, d]),
         _ => return Err(ElementError::FacetCorners { found: element.corners.len() }),
     };
-    ElementError::check(values.status())?;
-    Ok(values)
+    let freedoms = element.degrees_of_freedom();
+    let gradient = if mode >= Mode::Gradient { &gradient[..freedoms] } else { &[] };
+    let hessian = if mode >= Mode::Hessian { &hessian[..freedoms * (freedoms + 1) / 2] } else { &[] };
+    let ContactPoint { gap, foot, normal } = found.point;
+    let values = [gap].into_iter().chain(foot).chain(normal).chain(found.natural);
+    // The sum is finite only if each of them is.
+    let sum: f64 = values.chain(gradient.iter().chain(hessian).copied()).map(|x| 0.0 * x).sum();
+    ElementError::check(figures.status(sum == 0.0))?;
+    Ok(found)
 }

@@ -204,11 +204,9 @@ proptest! {
 
 /// Corner area, foot area and Jacobian determinant of an element's kernel.
 fn figures(element: &FacetElement<'_>) -> [f64; 3] {
-    use diffuse_contact_kernels::facet::quadrilateral;
-    use diffuse_contact_kernels::support::FacetInputs;
+    use diffuse_contact_kernels::gap_over_quadrilateral::{Inputs, evaluate_to};
 
     let corners: [Point; 4] = element.corners.try_into().expect("a quadrilateral");
-    let inputs = FacetInputs { slave: element.slave, corners };
-    let values = quadrilateral(Mode::Value, &inputs, &mut [], &mut []);
+    let values = evaluate_to(Mode::Value, &Inputs { slave: element.slave, corners }, &mut [], &mut []);
     [values.corner_area, values.foot_area, values.jacobian_determinant]
 }

@@ -1,10 +1,8 @@
 //! The contact kernels as clients of [`emit`](crate::emit): names and types that surround their functions, and the file they stand in.
 
-mod facet;
 mod formula;
 mod kernels;
 mod module;
 
-pub use facet::{EmittedFacetKernel, emit_facet_kernel};
 pub use kernels::emit_kernel;
-pub use module::{EmitOptions, TooLong, emit_file, emit_single, emit_single_facet};
+pub use module::{EmitOptions, TooLong, emit_file, emit_single, emit_single_element};

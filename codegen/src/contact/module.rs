@@ -3,11 +3,10 @@
 use proc_macro2::TokenStream;
 use quote::{format_ident, quote};
 
-use super::facet::{EmittedFacetKernel, emit_facet_kernel, facet_module};
 use super::formula::formula;
 use super::kernels::{emit_kernel, function_name, values_name};
-use crate::emit::{EmittedKernel, MOST_STATEMENTS, kept_name};
-use crate::model::{Basis, FacetSpec, FrameRule, KernelSpec, Mode, Output, Weight};
+use crate::emit::{EmittedElementKernel, EmittedKernel, MOST_STATEMENTS, emit_element_kernel, kept_name};
+use crate::model::{Basis, ElementSpec, FrameRule, Kernel, KernelSpec, Mode, Output, Weight};
 
 /// First lines of every emitted file.
 const HEADER: &str =
@@ -69,7 +68,7 @@ pub struct TooLong {
     pub statements: usize,
 }
 
-/// All kernels of the weights, the facet kernels if asked for, and modules of `elements`, as a formatted file.
+/// All kernels of the weights, and modules of `elements`, as a formatted file.
 ///
 /// Weights of one group share kernels, see [`Weight::either`].
 ///
@@ -77,7 +76,6 @@ pub struct TooLong {
 /// [`TooLong`], and those of `elements`, which come first.
 pub fn emit_file<E: From<TooLong>>(
     weights: &[Vec<Weight>],
-    facets: bool,
     elements: impl FnOnce() -> Result<Vec<TokenStream>, E>,
     options: EmitOptions<'_>,
 ) -> Result<String, E> {
@@ -85,9 +83,8 @@ pub fn emit_file<E: From<TooLong>>(
     let constants = bases.iter().filter_map(|basis| custom_basis(*basis, support));
     let before = items(&quote!(#(#constants)*));
     let after = || {
-        let facets = facets.then(|| facet_module(support));
         let elements = elements()?;
-        Ok(items(&quote!(#facets #(#elements)*)))
+        Ok(items(&quote!(#(#elements)*)))
     };
     let (modules, after): (_, Result<String, E>) = side_by_side(weights, options, after);
     let after = after?;
@@ -154,10 +151,13 @@ pub fn emit_single(spec: &KernelSpec, support: &syn::Path) -> (String, EmittedKe
     (text, kernel)
 }
 
-/// One kernel of contact on facets as a formatted file, to be read.
+/// One kernel of an element as a formatted file, to be read.
 #[must_use]
-pub fn emit_single_facet(spec: FacetSpec, support: &syn::Path) -> (String, EmittedFacetKernel) {
-    let kernel = emit_facet_kernel(spec);
+pub fn emit_single_element(
+    kernel: &Kernel<ElementSpec>,
+    support: &syn::Path,
+) -> (String, EmittedElementKernel) {
+    let kernel = emit_element_kernel(kernel);
     let tokens = &kernel.tokens;
     let text = format(&quote! {
         use #support::*;

@@ -142,7 +142,7 @@ impl Derivative {
 }
 
 /// What derivatives of a mode are written to, of an element of fixed size.
-pub(crate) fn arguments(signature: &Signature, mode: Mode) -> Vec<Argument> {
+pub(super) fn arguments(signature: &Signature, mode: Mode) -> Vec<Argument> {
     sized(Derivative::all(signature, mode), signature)
 }
 

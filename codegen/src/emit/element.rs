@@ -99,6 +99,7 @@ pub fn emit_element(
         (solver_name(Iteration::Newton), iterations.contains(&Iteration::Newton)),
         (solver_name(Iteration::Descent), iterations.contains(&Iteration::Descent)),
         ("multiply_node_rows", has_products),
+        ("first_entries", last > Mode::Value && !has_nodes),
     ];
     let others = others.into_iter().filter(|(_, is_used)| *is_used).map(|(name, _)| format_ident!("{name}"));
     let (types, runners, unused) = if has_nodes {

@@ -75,7 +75,7 @@ pub(super) fn runners(signature: &Signature, last: Mode) -> TokenStream {
             quote!(&mut results.#name)
         },
     );
-    let (best_isa, lanes) = (best_isa(), lanes(signature, last));
+    let (best_isa, lanes, evaluate_to) = (best_isa(), lanes(signature, last), evaluate_to(signature, last));
     quote! {
         /// Evaluates one element.
         #[must_use]
@@ -84,6 +84,8 @@ pub(super) fn runners(signature: &Signature, last: Mode) -> TokenStream {
             evaluate_into(mode, inputs, &mut results);
             results
         }
+
+        #evaluate_to
 
         fn evaluate_into(mode: Mode, inputs: &Inputs<f64>, results: &mut Results) {
             results.values = #single;
@@ -110,6 +112,37 @@ pub(super) fn runners(signature: &Signature, last: Mode) -> TokenStream {
 
         #lanes
     }
+}
+
+/// `evaluate_to`, of an element that has derivatives.
+fn evaluate_to(signature: &Signature, last: Mode) -> Option<TokenStream> {
+    let all = Derivative::all(signature, last);
+    let names: Vec<_> = all.iter().map(Derivative::ident).collect();
+    let lengths = all.iter().map(|of| format!("`{}` {}", of.name, of.length(signature.variables())));
+    let lengths = format!(" Entries of the slices: {}.", lengths.collect::<Vec<_>>().join(", "));
+    let first = |derivative: &Derivative| {
+        let name = derivative.ident();
+        quote!(first_entries(#name))
+    };
+    let values = call_by_mode(signature, last, |_| quote!(inputs), first);
+    (!all.is_empty()).then(|| {
+        quote! {
+            /// Evaluates one element, its derivatives to slices. Those that the mode does not ask for are not touched, and may be empty.
+            ///
+            #[doc = #lengths]
+            ///
+            /// # Panics
+            /// If a slice is shorter than the mode needs.
+            #[must_use]
+            pub fn evaluate_to(
+                mode: Mode,
+                inputs: &Inputs<f64>,
+                #(#names: &mut [f64]),*
+            ) -> Values<f64> {
+                #values
+            }
+        }
+    })
 }
 
 /// Elements in lanes.

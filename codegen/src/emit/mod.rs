@@ -19,10 +19,8 @@ mod shape;
 
 pub use c::emit_c;
 pub use count::{KernelCounts, OpCounts};
-pub(crate) use derivatives::arguments;
 pub use element::{EmittedElementKernel, emit_element, emit_element_kernel};
 pub use element_test::emit_element_test;
-pub(crate) use fixed::{Fixed, Head};
 pub use shape::EmittedKernel;
 pub(crate) use shape::{Combined, ShapeHead, emit_shape, kept_name};
 

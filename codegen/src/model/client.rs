@@ -4,8 +4,7 @@ use rustc_hash::FxHashSet;
 
 use super::basis::Basis;
 use super::element_outputs::{ElementKernels, ElementSpec, NODE_VALUE, NodeResult};
-use super::facet::FacetSpec;
-use super::facet_shape::FacetShape;
+use super::facet::FacetShape;
 use super::kernel::{FrameRule, Kernel, KernelSpec, Mode, Output, Value};
 use super::material::MATERIAL_INPUTS;
 use super::signature::{Differentiated, Input, Points, Returned, Role, Signature};
@@ -42,16 +41,7 @@ impl ElementKernels {
     /// The kernels of contact on a facet: variables are the slave, then the corners.
     #[must_use]
     pub fn facet(shape: FacetShape) -> Self {
-        let kernels = Mode::ALL.map(|mode| Kernel::facet(FacetSpec { shape, mode }));
-        let signature = facet_signature(&kernels[0]);
-        let kernels = kernels.into_iter().map(|kernel| {
-            let (derivatives, values): (Vec<&Value>, Vec<&Value>) =
-                kernel.values.iter().partition(|value| is_derivative(value));
-            let values = values.into_iter().chain(derivatives).cloned().collect();
-            with_signature(&signature, kernel.spec.mode, kernel.graph, values, Vec::new())
-        });
-        let kernels = kernels.collect();
-        Self { signature, kernels, product: None }
+        Self::new(shape.gap_name(), |m| shape.gap(m)).expect("the formulas of a facet are sound")
     }
 
     /// The kernels of a fit to nodes of a number that is open: variables are the slave, with a slip the anchor, then the nodes.
@@ -102,38 +92,6 @@ fn inputs_read(kernel: &Kernel<ElementSpec>) -> Vec<String> {
         }
     }
     names
-}
-
-/// Whether a facet kernel's value is a derivative.
-fn is_derivative(value: &Value) -> bool {
-    [GRADIENT, HESSIAN].contains(&&*value.name)
-}
-
-/// The signature of a facet's kernel, the same with any number of derivatives.
-pub(crate) fn facet_signature(kernel: &Kernel<FacetSpec>) -> Signature {
-    let shape = kernel.spec.shape;
-    let corners = shape.corners();
-    let names = (1..=corners).map(|k| format!("corner_{k}"));
-    let symbols = names.flat_map(|corner| AXES.map(|axis| format!("{corner}_{axis}"))).collect();
-    let corners = Input {
-        name: "corners".to_owned(),
-        doc: "Corner nodes, counter-clockwise seen from the outward side.".to_owned(),
-        role: Role::Variable,
-        dimensions: vec![corners, 3],
-        symbols,
-    };
-    let values = kernel.values.iter().filter(|value| !is_derivative(value)).map(|value| {
-        let twice = if value.name == "gap" { Differentiated::Twice } else { Differentiated::Not };
-        returned(value, twice)
-    });
-    Signature {
-        name: shape.name().to_owned(),
-        doc: format!("Distance of the slave from a {}.", shape.name()),
-        inputs: vec![vector("slave", Role::Variable, "Slave node."), corners],
-        nodes: Vec::new(),
-        values: values.collect(),
-        points: Points::default(),
-    }
 }
 
 /// The signature of a fit's kernel; of its inputs those that there are with its basis, weight and frame.

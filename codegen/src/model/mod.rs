@@ -8,7 +8,6 @@ mod element;
 mod element_error;
 mod element_outputs;
 mod facet;
-mod facet_shape;
 mod kernel;
 mod material;
 mod pole;
@@ -18,13 +17,12 @@ mod weight;
 
 pub(crate) use basis::MOST_COEFFICIENTS;
 pub use basis::{Basis, BasisError, CustomBasis};
-pub(crate) use client::{contact_signature, facet_signature};
+pub(crate) use client::contact_signature;
 pub use diffuse::Equation;
 pub use element::{
     Defined, ElementError, ElementKernels, ElementModel, ElementSpec, NodeResult, Root, Stationary,
 };
-pub use facet::FacetSpec;
-pub use facet_shape::FacetShape;
+pub use facet::FacetShape;
 pub(crate) use kernel::CHECKSUM;
 pub use kernel::{FrameRule, Kernel, KernelSpec, Mode, Output, Value};
 pub(crate) use material::MATERIAL_INPUTS;

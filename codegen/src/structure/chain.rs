@@ -105,17 +105,15 @@ impl<'g> Chain<'g> {
         Self { variables, levels, known: place }
     }
 
-    /// The ways to eliminate the intermediates.
+    /// The ways to eliminate the intermediates; that by vectors if there is one, which estimates of operations do not do justice to.
     #[must_use]
     pub fn ways(&self) -> Vec<Way> {
+        if self.lowest_vectors().is_some() {
+            return vec![Way { forms: 0, by_vectors: true }];
+        }
         // What is above unknowns whose values are known is eliminated before them.
         let levels = self.known.unwrap_or(self.levels.len());
-        let forms = 0..1 << levels.min(MOST_CHOICES);
-        let mut ways: Vec<Way> = forms.map(|forms| Way { forms, by_vectors: false }).collect();
-        if self.lowest_vectors().is_some() {
-            ways.push(Way { forms: 0, by_vectors: true });
-        }
-        ways
+        (0..1 << levels.min(MOST_CHOICES)).map(|forms| Way { forms, by_vectors: false }).collect()
     }
 
     /// All intermediates, lower ones first.
@@ -272,8 +270,9 @@ impl<'g> Expansion<'g> {
         let mut terms = Terms::new();
         for i in 0..first {
             for j in 0..first {
-                let own = entry(i, j).map(|x| (x, x.sheet().one()));
-                terms.entry((i, j)).or_default().extend(own);
+                if let Some(own) = entry(i, j) {
+                    terms.entry((i, j)).or_default().push((own, own.sheet().one()));
+                }
             }
             for (k, rates) in (first..first + unknowns).zip(&rates) {
                 let Some(mixed) = entry(k, i) else { continue };

@@ -10,6 +10,7 @@
 //! symmetric in exact arithmetic, but its rows are kept as they are. Those that belong to a vector then show what they have in common.
 
 use super::chain::{Intermediate, Row, insert};
+use super::factors::{ScaledVector, common_factor};
 use crate::expr::{Expr, dot};
 use crate::graph::{Op, Root};
 
@@ -137,9 +138,17 @@ impl<'g> Equations<'g> {
             });
             -through
         };
-        let changes: Vec<Vec<Expr<'g>>> = (0..below.len())
-            .map(|place| self.residuals.iter().map(|r| minus_change(r, place)).collect())
+        // What all changes of an equation have in common, such as a scale, is put into the inverse.
+        let changes: Vec<ScaledVector<'g>> = self
+            .residuals
+            .iter()
+            .map(|r| common_factor(&(0..below.len()).map(|place| minus_change(r, place)).collect::<Vec<_>>()))
             .collect();
-        inverse.iter().map(|row| changes.iter().map(|change| dot(row, change)).collect()).collect()
+        let rates = |row: Vec<Expr<'g>>| {
+            let scaled: Vec<Expr<'g>> =
+                row.iter().zip(&changes).map(|(&x, change)| x * change.scale).collect();
+            (0..below.len()).map(|place| dot(&scaled, changes.iter().map(|c| c.direction[place]))).collect()
+        };
+        inverse.into_iter().map(rates).collect()
     }
 }

@@ -1,4 +1,4 @@
-//! Inputs, results and status of the facet kernels.
+//! Status of the facet kernels.
 
 use super::{JACOBIAN_TOLERANCE, RootSolution, Status};
 
@@ -7,48 +7,26 @@ use super::{JACOBIAN_TOLERANCE, RootSolution, Status};
 /// digits at 1e-8.
 pub const AREA_TOLERANCE: f64 = 1e-7;
 
-/// What a facet kernel reads. Positions are in global axes.
+/// The figures of a facet's kernel that tell whether its results are numbers to use, as they are named there.
 #[derive(Clone, Copy, Debug)]
-pub struct FacetInputs<T, const CORNERS: usize> {
-    /// Slave node x^c.
-    pub slave: [T; 3],
-    /// Corner nodes x^1 … x^n, counter-clockwise seen from the outward side.
-    pub corners: [[T; 3]; CORNERS],
-}
-
-/// Values of the facet kernels.
-#[derive(Clone, Copy, Debug)]
-pub struct FacetValues<T> {
-    /// Signed gap g, length: positive on the outward side.
-    pub gap: T,
-    /// Foot point, global axes.
-    pub foot: [T; 3],
-    /// Unit normal ν at the foot, outward, global axes.
-    pub normal: [T; 3],
-    /// Natural coordinates (ξ, η) of the foot: area coordinates of the second and third corner of a triangle, −1 … 1 on
-    /// a quadrilateral.
-    pub natural: [T; 2],
-    /// Smallest area element at a corner, along the normal at the centre, over the mean square of the tangents there:
-    /// 1 for a square, 0 or less for a facet that has no area, is folded or not convex.
-    pub corner_area: T,
+pub struct FacetFigures {
+    /// Smallest area element at a corner, relative.
+    pub corner_area: f64,
     /// The same at the foot.
-    pub foot_area: T,
-    /// Largest foot residual, relative to the starting residual or the foot's distance from the centre; 0 where the
-    /// equations are linear.
-    pub foot_residual: T,
+    pub foot_area: f64,
+    /// Largest foot residual, relative.
+    pub foot_residual: f64,
     /// Evaluations of the foot equations.
-    pub foot_iterations: T,
-    /// Π (1 − g κ) over the principal curvatures κ at the foot: 1 on a flat facet, 0 on a centre of curvature.
-    pub jacobian_determinant: T,
-    /// Finite only if every result is.
-    pub checksum: T,
+    pub foot_iterations: f64,
+    /// Π (1 − g κ) over the principal curvatures κ at the foot.
+    pub jacobian_determinant: f64,
 }
 
 // Comparisons below are written so that a NaN fails them.
-impl FacetValues<f64> {
-    /// Whether the values, and the derivatives that came with them, are numbers to use.
+impl FacetFigures {
+    /// Whether results are numbers to use, of which it is known whether all are finite.
     #[must_use]
-    pub fn status(&self) -> Status {
+    pub fn status(&self, are_finite: bool) -> Status {
         let determinant = self.jacobian_determinant;
         if self.corner_area.is_nan() {
             return Status::NotFinite;
@@ -70,15 +48,6 @@ impl FacetValues<f64> {
         if determinant < 0.0 {
             return Status::CentreOfCurvature { determinant };
         }
-        if self.checksum.is_finite() { Status::Ok } else { Status::NotFinite }
+        if are_finite { Status::Ok } else { Status::NotFinite }
     }
-}
-
-/// The first entries of a slice as an array.
-///
-/// # Panics
-/// If the slice is shorter.
-pub fn first_entries<T, const COUNT: usize>(slice: &mut [T]) -> &mut [T; COUNT] {
-    let length = slice.len();
-    slice.first_chunk_mut().unwrap_or_else(|| panic!("{length} entries where {COUNT} are needed"))
 }

@@ -22,7 +22,7 @@ mod values;
 pub use descent::TwoVariables;
 pub use drive::{BatchElement, GapKernel, Widths, Workspace, batch, scalar, single};
 pub use equations::{Equations, Solution};
-pub use facet::{AREA_TOLERANCE, FacetInputs, FacetValues, first_entries};
+pub use facet::{AREA_TOLERANCE, FacetFigures};
 pub use form::FormRows;
 pub use inputs::{Domains, ElementInputs, Inputs, MATERIAL_VALUES, Masters, MaterialNode, NODE_VALUES};
 pub use lane::Lane;
@@ -40,4 +40,13 @@ pub use values::{Basis, CoefficientsValues, CustomBasis, FrameRule, GapValues, M
 #[must_use]
 pub const fn packed_row(row: usize) -> usize {
     row * (row + 1) / 2
+}
+
+/// The first entries of a slice as an array.
+///
+/// # Panics
+/// If the slice is shorter.
+pub fn first_entries<T, const COUNT: usize>(slice: &mut [T]) -> &mut [T; COUNT] {
+    let length = slice.len();
+    slice.first_chunk_mut().unwrap_or_else(|| panic!("{length} entries where {COUNT} are needed"))
 }

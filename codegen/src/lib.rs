@@ -76,14 +76,14 @@
 //! **An infinite weight** is an unknown too. With an interpolating weight the node nearest to the slave, the pole, enters with its
 //! weighted error σ as a multiplier, e = σ/w, smooth where 1/w = 0. The system is then indefinite with known signs, and the same rule holds.
 //!
-//! **Facets.** The distance from a facet itself (`model/facet.rs`) uses the same engine: a stationary value whose variables follow its
-//! parameters (`structure/follower.rs`), here a few vectors that are linear in the corners (`structure/linear_images.rs`). With the number
-//! of corners fixed all is of element scope, and `emit/fixed.rs` writes it. `emit` knows no model: `contact` hands it signatures, and names of `support`'s types.
+//! **Facets.** The distance from a facet itself (`model/facet.rs`) is an element like those of callers. Foot and normal are unknowns of known
+//! values, in which it is stationary (`structure/known.rs`). It depends on a few vectors that are linear in slave and corners
+//! (`structure/linear_images.rs`).
 //!
 //! **Elements of the caller's** (`model/element.rs`) have a signature: typed inputs, which are variables or parameters, and values, of which
 //! it says how often they are differentiated. An energy depends on its variables through few quantities, such as a deformation gradient F
 //! and det F. `structure/intermediates.rs` finds those that are not named, `structure/chain.rs` differentiates through all, and
-//! `structure/invariance.rs` takes the way with the fewest operations. `emit/fixed.rs` writes them and the facets' kernels, `emit/c/`
+//! `structure/invariance.rs` takes the way with the fewest operations. `emit/fixed.rs` writes them, `emit/c/`
 //! writes C.
 //!
 //! **Products with a vector** need no rules of their own. `structure/direction.rs` gives each variable a rate and lets the engine

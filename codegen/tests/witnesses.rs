@@ -61,6 +61,7 @@ pub fn spring(m: &ElementModel<'_>) {
     m.energy(0.5 * stiffness * stretch.powi(2));
     m.value("force", stiffness * stretch);
     m.describe("force", "Tension, positive when stretched.");
+    m.product();
 }
 
 /// A tetrahedron of compressible neo-Hooke material, from its energy.

@@ -258,3 +258,86 @@ static inline void spring_hessian_batch(size_t count, const double *restrict inp
         hessian[20 * count + k] = sum_v9;
     }
 }
+
+/* One element: product. Operations: 39. */
+static inline void spring_product(const spring_inputs *inputs, const double direction[6], double hessian_product[6]) {
+    const double x_1_x = inputs->x[0][0];
+    const double x_1_y = inputs->x[0][1];
+    const double x_1_z = inputs->x[0][2];
+    const double x_2_x = inputs->x[1][0];
+    const double x_2_y = inputs->x[1][1];
+    const double x_2_z = inputs->x[1][2];
+    const double stiffness = inputs->stiffness;
+    const double length = inputs->length;
+    const double direction_1 = direction[0];
+    const double direction_2 = direction[1];
+    const double direction_3 = direction[2];
+    const double direction_4 = direction[3];
+    const double direction_5 = direction[4];
+    const double direction_6 = direction[5];
+    const double sum = x_2_x - x_1_x;
+    const double sum_v2 = x_2_y - x_1_y;
+    const double sum_v3 = x_2_z - x_1_z;
+    const double root = sqrt(sum * sum + sum_v2 * sum_v2 + sum_v3 * sum_v3);
+    const double c1_over_root = (fabs(root) > 0.0 ? 1.0 / root : 0.0);
+    const double sum_v4 = direction_6 - direction_3;
+    const double sum_v5 = direction_4 - direction_1;
+    const double sum_v6 = direction_5 - direction_2;
+    const double stretch_rate = c1_over_root * (sum_v3 * sum_v4 + (sum * sum_v5 + sum_v2 * sum_v6));
+    const double by_stretch_rate = stiffness * stretch_rate;
+    const double stretch = root - length;
+    const double by_stretch = stiffness * stretch;
+    const double product = c1_over_root * (c1_over_root * stretch_rate);
+    const double sum_v7 = sum * c1_over_root * by_stretch_rate + by_stretch * (c1_over_root * sum_v5 - sum * product);
+    const double sum_v8 = by_stretch_rate * (sum_v2 * c1_over_root) + by_stretch * (c1_over_root * sum_v6 - sum_v2 * product);
+    const double sum_v9 = by_stretch_rate * (sum_v3 * c1_over_root) + by_stretch * (c1_over_root * sum_v4 - sum_v3 * product);
+    hessian_product[0] = -sum_v7;
+    hessian_product[1] = -sum_v8;
+    hessian_product[2] = -sum_v9;
+    hessian_product[3] = sum_v7;
+    hessian_product[4] = sum_v8;
+    hessian_product[5] = sum_v9;
+}
+
+/* Many elements: product. Entry i of element k is at i * count + k of each array; entries of inputs and values are in the order of the structs. */
+static inline void spring_product_batch(size_t count, const double *restrict inputs, const double *restrict direction, double *restrict hessian_product) {
+    DIFFUSE_CONTACT_INDEPENDENT
+    for (size_t k = 0; k < count; k++) {
+        const double x_1_x = inputs[0 * count + k];
+        const double x_1_y = inputs[1 * count + k];
+        const double x_1_z = inputs[2 * count + k];
+        const double x_2_x = inputs[3 * count + k];
+        const double x_2_y = inputs[4 * count + k];
+        const double x_2_z = inputs[5 * count + k];
+        const double stiffness = inputs[6 * count + k];
+        const double length = inputs[7 * count + k];
+        const double direction_1 = direction[0 * count + k];
+        const double direction_2 = direction[1 * count + k];
+        const double direction_3 = direction[2 * count + k];
+        const double direction_4 = direction[3 * count + k];
+        const double direction_5 = direction[4 * count + k];
+        const double direction_6 = direction[5 * count + k];
+        const double sum = x_2_x - x_1_x;
+        const double sum_v2 = x_2_y - x_1_y;
+        const double sum_v3 = x_2_z - x_1_z;
+        const double root = sqrt(sum * sum + sum_v2 * sum_v2 + sum_v3 * sum_v3);
+        const double c1_over_root = (fabs(root) > 0.0 ? 1.0 / root : 0.0);
+        const double sum_v4 = direction_6 - direction_3;
+        const double sum_v5 = direction_4 - direction_1;
+        const double sum_v6 = direction_5 - direction_2;
+        const double stretch_rate = c1_over_root * (sum_v3 * sum_v4 + (sum * sum_v5 + sum_v2 * sum_v6));
+        const double by_stretch_rate = stiffness * stretch_rate;
+        const double stretch = root - length;
+        const double by_stretch = stiffness * stretch;
+        const double product = c1_over_root * (c1_over_root * stretch_rate);
+        const double sum_v7 = sum * c1_over_root * by_stretch_rate + by_stretch * (c1_over_root * sum_v5 - sum * product);
+        const double sum_v8 = by_stretch_rate * (sum_v2 * c1_over_root) + by_stretch * (c1_over_root * sum_v6 - sum_v2 * product);
+        const double sum_v9 = by_stretch_rate * (sum_v3 * c1_over_root) + by_stretch * (c1_over_root * sum_v4 - sum_v3 * product);
+        hessian_product[0 * count + k] = -sum_v7;
+        hessian_product[1 * count + k] = -sum_v8;
+        hessian_product[2 * count + k] = -sum_v9;
+        hessian_product[3 * count + k] = sum_v7;
+        hessian_product[4 * count + k] = sum_v8;
+        hessian_product[5 * count + k] = sum_v9;
+    }
+}

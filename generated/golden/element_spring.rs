@@ -246,6 +246,62 @@ pub mod spring {
             force: by_stretch,
         }
     }
+    /// A spring between two points, linear in its stretch.
+    ///
+    /// Products of derivatives with a vector v, `direction`, without the derivatives:
+    ///
+    /// * `hessian_product`: ∂²energy/∂x∂x v, x: `x`
+    ///
+    /// Made of `stretch`.
+    ///
+    /// Operations: 39.
+    #[inline(always)]
+    pub fn product<E: Lane>(
+        inputs: &Inputs<E>,
+        direction: &[E; 6],
+        hessian_product: &mut [E; 6],
+    ) {
+        let [[x_1_x, x_1_y, x_1_z], [x_2_x, x_2_y, x_2_z]] = inputs.x;
+        let stiffness = inputs.stiffness;
+        let length = inputs.length;
+        let [direction_1, direction_2, direction_3, direction_4, direction_5, direction_6,
+        ] = *direction;
+        let sum = x_2_x - x_1_x;
+        let sum_v2 = x_2_y - x_1_y;
+        let sum_v3 = x_2_z - x_1_z;
+        let root = sum_v3.mul_add(sum_v3, sum_v2.mul_add(sum_v2, sum * sum)).sqrt();
+        let c1_over_root = E::ONE.div_or_zero(root);
+        let sum_v4 = direction_6 - direction_3;
+        let sum_v5 = direction_4 - direction_1;
+        let sum_v6 = direction_5 - direction_2;
+        let stretch_rate = c1_over_root
+            * sum_v3.mul_add(sum_v4, sum_v2.mul_add(sum_v6, sum * sum_v5));
+        let by_stretch_rate = stiffness * stretch_rate;
+        let stretch = root - length;
+        let by_stretch = stiffness * stretch;
+        let product = c1_over_root * (c1_over_root * stretch_rate);
+        let sum_v7 = by_stretch
+            .mul_add(
+                sum.neg_mul_add(product, c1_over_root * sum_v5),
+                sum * c1_over_root * by_stretch_rate,
+            );
+        let sum_v8 = by_stretch
+            .mul_add(
+                sum_v2.neg_mul_add(product, c1_over_root * sum_v6),
+                by_stretch_rate * (sum_v2 * c1_over_root),
+            );
+        let sum_v9 = by_stretch
+            .mul_add(
+                sum_v3.neg_mul_add(product, c1_over_root * sum_v4),
+                by_stretch_rate * (sum_v3 * c1_over_root),
+            );
+        hessian_product[0] = -sum_v7;
+        hessian_product[1] = -sum_v8;
+        hessian_product[2] = -sum_v9;
+        hessian_product[3] = sum_v7;
+        hessian_product[4] = sum_v8;
+        hessian_product[5] = sum_v9;
+    }
     /// Evaluates one element.
     #[must_use]
     pub fn evaluate(mode: Mode, inputs: &Inputs<f64>) -> Results {
@@ -339,6 +395,89 @@ pub mod spring {
                         |result| &mut result.hessian[..],
                     );
                 }
+            }
+        }
+    }
+    /// Products of the derivatives of one element with a vector v.
+    #[derive(Clone, Copy, Debug)]
+    pub struct Products {
+        /// ∂²energy/∂x∂x v, x: `x`.
+        pub hessian_product: [f64; 6],
+    }
+    impl Products {
+        /// Zeros.
+        pub const ZERO: Self = Self { hessian_product: [0.0; 6] };
+    }
+    /// Multiplies the derivatives of one element by a vector, which has an entry for each variable.
+    #[must_use]
+    pub fn multiply(inputs: &Inputs<f64>, direction: &[f64; VARIABLES]) -> Products {
+        let mut products = Products::ZERO;
+        multiply_into(inputs, direction, &mut products);
+        products
+    }
+    fn multiply_into(
+        inputs: &Inputs<f64>,
+        direction: &[f64; VARIABLES],
+        products: &mut Products,
+    ) {
+        self::product(inputs, direction, &mut products.hessian_product);
+    }
+    /// Multiplies the derivatives of many elements, each by a vector of its own, as many side by side as the instructions have lanes:
+    /// [`best_isa`] unless there is a reason for others. What an element gets does not depend on its neighbours.
+    ///
+    /// # Panics
+    /// If there are not as many vectors and products as inputs.
+    pub fn multiply_batch(
+        isa: Isa,
+        inputs: &[Inputs<f64>],
+        directions: &[[f64; VARIABLES]],
+        products: &mut [Products],
+    ) {
+        assert_eq!(inputs.len(), directions.len(), "as many vectors as inputs");
+        assert_eq!(inputs.len(), products.len(), "as many products as inputs");
+        let factors = Factors {
+            inputs,
+            directions,
+            products,
+        };
+        let left = if OPTIMISED { isa.run_vectors(factors) } else { Err(factors) };
+        if let Err(Factors { inputs, directions, products }) = left {
+            for ((inputs, direction), products) in inputs
+                .iter()
+                .zip(directions)
+                .zip(products)
+            {
+                multiply_into(inputs, direction, products);
+            }
+        }
+    }
+    struct Factors<'a> {
+        inputs: &'a [Inputs<f64>],
+        directions: &'a [[f64; VARIABLES]],
+        products: &'a mut [Products],
+    }
+    impl WithLanes for Factors<'_> {
+        type Output = ();
+        #[inline(always)]
+        fn run<T: Vector>(self) {
+            let Self { inputs, directions, products } = self;
+            let mut direction = [T::ZERO; VARIABLES];
+            let mut hessian_product = [T::ZERO; 6];
+            let many = inputs.chunks(T::WIDTH).zip(directions.chunks(T::WIDTH));
+            for ((inputs, directions), products) in many
+                .zip(products.chunks_mut(T::WIDTH))
+            {
+                let last = inputs.len() - 1;
+                let lanes = Inputs::<T>::gather(|lane| &inputs[lane.min(last)]);
+                for (k, entry) in direction.iter_mut().enumerate() {
+                    *entry = T::from_fn(|lane| directions[lane.min(last)][k]);
+                }
+                self::product(&lanes, &direction, &mut hessian_product);
+                T::store_transposed(
+                    &hessian_product,
+                    products,
+                    |product| &mut product.hessian_product[..],
+                );
             }
         }
     }

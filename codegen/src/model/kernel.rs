@@ -191,28 +191,15 @@ impl Kernel {
                 source: "Chamoret et al. 2008, eq. 13",
             },
         ];
-        Self::of(spec, equations, |sheet, spec, results| {
-            let model = Diffuse::declare(sheet, spec.basis, &spec.weight, spec.frame);
-            match spec.output {
-                Output::Coefficients => results.coefficients(spec, &model),
-                Output::Surface => results.surface(spec, &model),
-                Output::Gap | Output::Slip => results.gap(spec, &model),
-            }
-        })
-    }
-}
-
-impl<S> Kernel<S> {
-    /// The kernel of formulas written on a sheet.
-    pub(super) fn of(
-        spec: S,
-        equations: Vec<Equation>,
-        formulas: impl FnOnce(&Sheet, &S, &mut Results),
-    ) -> Self {
         let mut graph = Graph::new();
         let mut results = Results { equations, ..Results::default() };
         graph.write(|sheet| {
-            formulas(sheet, &spec, &mut results);
+            let model = Diffuse::declare(sheet, spec.basis, &spec.weight, spec.frame);
+            match spec.output {
+                Output::Coefficients => results.coefficients(&spec, &model),
+                Output::Surface => results.surface(&spec, &model),
+                Output::Gap | Output::Slip => results.gap(&spec, &model),
+            }
             results.checksum(sheet);
         });
         let Results { values, gradients, hessians, node_values, combinations, equations } = results;
@@ -222,7 +209,7 @@ impl<S> Kernel<S> {
 
 /// What a kernel computes, while it is written.
 #[derive(Default)]
-pub(super) struct Results {
+struct Results {
     values: Vec<Value>,
     gradients: Vec<(&'static str, Gradient)>,
     hessians: Vec<(&'static str, Hessian)>,

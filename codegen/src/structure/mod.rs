@@ -26,7 +26,6 @@ pub use elimination::Elimination;
 pub use follower::Follower;
 pub use intermediates::{Written, as_bound, with_found};
 pub use invariance::{NodeVectors, hessian_product, total_derivatives};
-pub use linear_images::{LinearImages, SecondDerivative};
 pub use low_rank::{LowRankForm, LowRankTerm, PointForm};
 pub use node_problem::{Block, Functional, Gradient, Hessian, NodeProblem, PointBlocks};
 pub(crate) use node_sums::contains_sum;

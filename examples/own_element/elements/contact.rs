@@ -13,17 +13,36 @@ fn patch<'g>(P: &[Vec3<'g>; 9], xi: Vec2<'g>) -> Vec3<'g> {
 }
 
 /// Penalty energy ½ ε ⟨−g⟩², g = ν·(x − x̄), of a slave node x with the foot x̄ = s(ξ), where s,₁·(x − s) = s,₂·(x − s) = 0.
+///
+/// With ξ + δ in the place of ξ, g does not change to first order with δ, as x − s is normal to the patch there, nor with the direction
+/// ν, as x − s is along it. So both have known values, and their rates are needed for second derivatives only.
 pub fn bezier<'g>(m: &ElementModel<'g>) {
     m.title("Contact of a node with a biquadratic Bézier patch.");
     let (x, P): (Vec3<'g>, [Vec3<'g>; 9]) = (m.variable("x"), m.variable("P"));
     let stiffness = m.parameter::<Expr<'_>>("stiffness");
-    let tangents = |xi: Vec2<'g>| [patch(&P, xi).by(xi[0]), patch(&P, xi).by(xi[1])];
+    let tangents = |xi: Vec2<'g>| xi.0.map(|u| patch(&P, xi).by(u));
 
     let foot = m.root("foot", |xi| Vector(tangents(xi).map(|tangent| tangent.dot(x - patch(&P, xi)))));
-    let xi = foot.unknowns;
-    let [t1, t2] = m.define("tangent", tangents(xi));
+    let xi = m.held("xi_held", foot.unknowns);
     let distance = m.define("distance", x - patch(&P, xi));
-    let gap = m.define("gap", t1.cross(t2).unit().dot(distance));
+    let tangent = m.define("tangent", tangents(xi));
+    let curvature = m.define("curvature", [(0, 0), (0, 1), (1, 1)].map(|(k, l)| tangents(xi)[k].by(xi[l])));
+
+    // x − s and s,ₖ at ξ + δ, to the order that second derivatives see.
+    let slopes =
+        |delta: Vec2<'g>| [0, 1].map(|k| tangent[k] + delta[0] * curvature[k] + delta[1] * curvature[k + 1]);
+    let away = |delta: Vec2<'g>| {
+        let [s1, s2] = slopes(0.5 * delta);
+        distance - delta[0] * s1 - delta[1] * s2
+    };
+    let zero = Vector::zero(m.sheet());
+    let delta = m.stationary_at("delta", zero, |delta| Vector(slopes(delta).map(|t| t.dot(away(delta)))));
+    let normal = tangent[0].cross(tangent[1]).unit();
+    let nu = m.stationary_at("nu", normal, |nu| {
+        let [t1, t2] = slopes(delta);
+        Vector([nu.dot(t1), nu.dot(t2), 0.5 * (nu.dot(nu) - 1.0)])
+    });
+    let gap = m.define("gap", nu.dot(away(delta)));
     m.energy(0.5 * stiffness * gap.min(0.0).powi(2));
 
     m.value("gap", gap);

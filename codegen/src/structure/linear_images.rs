@@ -92,7 +92,7 @@ pub(super) fn vectors_of_nodes<'g>(
             Some([x?, y?, z?])
         })
         .collect::<Option<_>>()?;
-    if 3 * vectors.len() != intermediates.len() || variables.len() % 3 != 0 || vectors.is_empty() {
+    if 3 * vectors.len() != intermediates.len() || !variables.len().is_multiple_of(3) || vectors.is_empty() {
         return None;
     }
     let is_free = |x: Expr<'g>| variables.iter().all(|&variable| !x.contains(variable));

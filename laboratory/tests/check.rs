@@ -12,7 +12,7 @@ use serde_json::Value;
 fn a_small_range_passes_and_every_block_is_printed() {
     let Run { code, stdout, stderr } = run(&["check", "--nodes", "6..=7"]);
     assert_eq!((code, stderr.as_str()), (0, ""), "{stdout}");
-    assert!(stdout.ends_with("\nall within 1e-11\n"), "{stdout}");
+    assert!(stdout.ends_with("\nall within 1e-12\n"), "{stdout}");
     for block in BLOCKS {
         let row = stdout.lines().find(|line| {
             let rest = line.strip_prefix(&format!("{} ", block.subject.name()));
@@ -125,7 +125,7 @@ fn a_weight_of_ones_own_passes() {
     assert!(stdout.contains("no kernels of this weight are compiled into the program"), "{stdout}");
     assert!(stdout.contains("exp(-r) * (1 + r)"));
     assert!(!stdout.contains("against interpreter") && !stdout.contains("triangle"));
-    assert!(stdout.ends_with("\nall within 1e-11\n"), "{stdout}");
+    assert!(stdout.ends_with("\nall within 1e-12\n"), "{stdout}");
 }
 
 #[test]

@@ -116,8 +116,8 @@ impl Plan {
 impl Job {
     fn run(&self, plan: &Plan, backends: &Backends<'_>) -> Result<Report, NoElement> {
         let &Self { basis, nodes, index, .. } = self;
-        let mut random = RandomElement::new(basis, nodes, plan.seed, index, backends.interpreted)?;
-        random.weight = plan.weight.as_built_in().unwrap_or_default();
+        let with = (plan.weight.as_built_in().unwrap_or_default(), backends.ad);
+        let random = RandomElement::new(basis, nodes, plan.seed, index, backends.interpreted, with)?;
         let mut report = Report::new(plan);
         report.add_element(&random);
         for subject in Subject::ALL {

@@ -21,15 +21,15 @@
 //! Its master nodes and support radius serve a second time, in the average plane of the nodes as a co-moving frame;
 //! a slave straight over a node is moved there along the plane, so that it is straight over the node again.
 //!
-//! It is kept if its [`Conditioning`] in either frame is within the bounds of [`is_well_conditioned`]; if not, the
-//! next is made.
+//! It is kept if its [`Conditioning`] in each frame is within the bounds of [`is_well_conditioned`], and if second derivatives change by
+//! no more than [`LARGEST_CHANGE`] with the last digits of its nodes; if not, the next is made.
 //! The same seed, node count and basis give the same elements on every machine.
 
 use std::f64::consts::TAU;
 
 use diffuse_contact::{
-    CustomBasis, Domains, Element, ElementError, Frame, MaterialDomain, MaterialNode, MaterialPlace, Point,
-    Weight,
+    Backend, CustomBasis, Domains, Element, ElementError, Frame, MaterialDomain, MaterialNode, MaterialPlace,
+    Mode, Point, SymmetricMatrix, Weight,
 };
 use diffuse_contact_benches::Random;
 use diffuse_contact_codegen::{Basis, FrameRule};
@@ -43,6 +43,9 @@ pub const SMALLEST_PIVOT: f64 = 1e-2;
 pub const SMALLEST_DETERMINANT: f64 = 0.2;
 /// Largest in-plane distance of the foot from the slave over R.
 pub const LARGEST_FOOT_DISTANCE: f64 = 0.8;
+
+/// Largest change of M and H_f, relative, with the last digits of the nodes' coordinates.
+pub const LARGEST_CHANGE: f64 = 1e-13;
 
 /// Elements tried before giving up.
 const ATTEMPTS: usize = 5_000;
@@ -89,7 +92,7 @@ pub struct RandomElement {
     support_radius: f64,
     basis: Basis,
     /// Weight that backends are asked for.
-    pub(super) weight: Weight,
+    weight: Weight,
     held: Place,
     co_moving: Place,
     material: Place,
@@ -136,8 +139,8 @@ pub fn is_well_conditioned(figures: &Conditioning) -> bool {
 }
 
 impl RandomElement {
-    /// Well-conditioned element number `index` for a seed; `interpreted` has the weight it is to be used with. The nodes of every
-    /// other element have domains of their own, and weights in its average plane.
+    /// Well-conditioned element number `index` for a seed; `interpreted` has the weight it is to be used with, and so has `backend`, if it
+    /// is asked for `weight`. The nodes of every other element have domains of their own, and weights in its average plane.
     ///
     /// # Errors
     /// [`NoElement`] if none is found.
@@ -147,12 +150,13 @@ impl RandomElement {
         seed: u64,
         index: usize,
         interpreted: &Interpreted,
+        (weight, backend): (Weight, &dyn Backend),
     ) -> Result<Self, NoElement> {
         let mut random = Random::new(&[seed, basis.size() as u64, nodes as u64, index as u64]);
         for _ in 0..ATTEMPTS {
             let first = FirstNode::of(index, nodes > basis.size());
-            let weight = |r| interpreted.fitting_weight(r);
-            let candidate = Self::candidate((basis, nodes), first, (weight, index % 2 == 1), &mut random);
+            let fitting = |r| interpreted.fitting_weight(r);
+            let candidate = Self::candidate((basis, nodes), first, (fitting, index % 2 == 1), &mut random);
             let Ok(mut candidate) = candidate else {
                 continue;
             };
@@ -164,7 +168,10 @@ impl RandomElement {
             // The surface is compared in the held frame only.
             let Some(co_moving) = figures(FrameRule::CoMoving, [0.0; 2]) else { continue };
             let Some(material) = figures(FrameRule::Material, [0.0; 2]) else { continue };
-            candidate.conditioning = [held, co_moving, material];
+            (candidate.conditioning, candidate.weight) = ([held, co_moving, material], weight);
+            if candidate.change_with_last_digits(backend) > LARGEST_CHANGE {
+                continue;
+            }
             return Ok(candidate);
         }
         Err(NoElement { nodes, basis, attempts: ATTEMPTS })
@@ -194,6 +201,29 @@ impl RandomElement {
                 }
             })
             .with_weight(self.weight)
+    }
+
+    /// How much M in all frames, and H_f, change over their largest entries when the nodes move by one unit in the last digits of their
+    /// coordinates, to and fro; infinite if there is no result.
+    fn change_with_last_digits(&self, backend: &dyn Backend) -> f64 {
+        let mut other = self.clone();
+        for (k, x) in other.masters.as_flattened_mut().iter_mut().enumerate() {
+            *x = if k % 2 == 0 { x.next_up() } else { x.next_down() };
+        }
+        let hessians = |random: &Self| -> Result<Vec<SymmetricMatrix>, ElementError> {
+            let surface = backend.surface(&random.element(FrameRule::Held), self.point, Mode::Hessian)?;
+            let gaps = [FrameRule::Held, FrameRule::CoMoving, FrameRule::Material]
+                .map(|rule| backend.gap(&random.element(rule), Mode::Hessian).map(|gap| gap.hessian));
+            gaps.into_iter().chain([Ok(surface.hessian)]).collect()
+        };
+        let (Ok(before), Ok(after)) = (hessians(self), hessians(&other)) else { return f64::INFINITY };
+        let largest = |x: &[f64]| x.iter().fold(0.0, |largest: f64, x| largest.max(x.abs()));
+        let change = |(before, after): (&SymmetricMatrix, &SymmetricMatrix)| {
+            let [before, after] = [before, after].map(SymmetricMatrix::packed);
+            let change: Vec<f64> = before.iter().zip(after).map(|(x, y)| x - y).collect();
+            largest(&change) / largest(before)
+        };
+        before.iter().zip(&after).map(change).fold(0.0, f64::max)
     }
 
     /// `weight`: the fitting weight, and whether nodes have domains of their own.
@@ -330,14 +360,18 @@ fn straight_over(node: Point, slave: Point, plane: &Frame) -> Point {
 #[cfg(test)]
 mod tests {
     use diffuse_contact::FrameDerivative;
+    use diffuse_contact::ad::Ad;
 
     use super::*;
+
+    const CUBIC: (Weight, &dyn Backend) = (Weight::Cubic, &Ad);
 
     #[test]
     fn elements_are_reproducible_and_different() {
         let interpreted = Interpreted::default();
-        let element =
-            |seed, index| RandomElement::new(Basis::Linear, 5, seed, index, &interpreted).unwrap().masters;
+        let element = |seed, index| {
+            RandomElement::new(Basis::Linear, 5, seed, index, &interpreted, CUBIC).unwrap().masters
+        };
         assert_eq!(element(1, 0), element(1, 0));
         assert_ne!(element(1, 0), element(1, 1));
         assert_ne!(element(1, 0), element(2, 0));
@@ -347,7 +381,8 @@ mod tests {
     fn elements_keep_what_they_promise() {
         let interpreted = Interpreted::default();
         for (basis, nodes) in [(Basis::Linear, 3), (Basis::Quadratic, 6), (Basis::Quadratic, 10)] {
-            let random = RandomElement::new(basis, nodes, 7, 0, &interpreted).unwrap();
+            let random = RandomElement::new(basis, nodes, 7, 0, &interpreted, CUBIC).unwrap();
+            assert!(random.change_with_last_digits(CUBIC.1) <= LARGEST_CHANGE);
             assert!(random.conditioning.iter().all(is_well_conditioned));
             for (frame, derivative) in [
                 (FrameRule::Held, FrameDerivative::Held),

@@ -8,7 +8,7 @@ use diffuse_contact_codegen::Basis;
 use crate::weight::Weight;
 
 /// Largest difference that passes.
-pub const TOLERANCE: f64 = 1e-11;
+pub const TOLERANCE: f64 = 1e-12;
 
 /// Elements per node count and basis.
 pub const ELEMENTS: usize = 3;

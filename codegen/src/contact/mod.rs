@@ -1,8 +1,9 @@
 //! The contact kernels as clients of [`emit`](crate::emit): names and types that surround their functions, and the file they stand in.
 
+mod file;
 mod formula;
 mod kernels;
 mod module;
 
+pub use file::{EmitOptions, TooLong, emit_file, emit_single, emit_single_element};
 pub use kernels::emit_kernel;
-pub use module::{EmitOptions, TooLong, emit_file, emit_single, emit_single_element};

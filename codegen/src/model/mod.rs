@@ -7,6 +7,7 @@ mod diffuse;
 mod element;
 mod element_error;
 mod element_outputs;
+mod element_unknowns;
 mod facet;
 mod kernel;
 mod material;
@@ -19,9 +20,8 @@ pub(crate) use basis::MOST_COEFFICIENTS;
 pub use basis::{Basis, BasisError, CustomBasis};
 pub(crate) use client::contact_signature;
 pub use diffuse::Equation;
-pub use element::{
-    Defined, ElementError, ElementKernels, ElementModel, ElementSpec, NodeResult, Root, Stationary,
-};
+pub use element::{Defined, ElementError, ElementKernels, ElementModel, ElementSpec, NodeResult};
+pub use element_unknowns::{Root, Stationary};
 pub use facet::FacetShape;
 pub(crate) use kernel::CHECKSUM;
 pub use kernel::{FrameRule, Kernel, KernelSpec, Mode, Output, Value};

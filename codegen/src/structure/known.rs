@@ -9,7 +9,8 @@
 //! at the values that w has, which are put in before anything is computed: often most of r_w and E_zw is zero there. E_zz + E_zw C is
 //! symmetric in exact arithmetic, but its rows are kept as they are. Those that belong to a vector then show what they have in common.
 
-use super::chain::{Intermediate, Row, insert};
+use super::chain::Intermediate;
+use super::expansion::{Row, insert};
 use super::factors::{ScaledVector, common_factor};
 use crate::expr::{Expr, dot};
 use crate::graph::{Op, Root};

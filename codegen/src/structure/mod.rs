@@ -6,6 +6,7 @@ mod combination;
 mod coordinates;
 mod direction;
 mod elimination;
+mod expansion;
 mod factors;
 mod fit_derivatives;
 mod follower;

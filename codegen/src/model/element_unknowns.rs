@@ -1,0 +1,240 @@
+//! Unknowns in the formulas of an element: of equations, at minima and stationary values, and those whose values are known.
+
+use super::element::ElementModel;
+use super::element_error::ElementError;
+use super::signature::Quantity;
+use crate::expr::{Expr, Matrix, Vector, total};
+use crate::graph::{Iteration, Limits, RootFigure, Scope, SymmetricSystem};
+use crate::structure::{Implicit, Jacobian, contains_sum};
+
+/// Where equations are solved, see [`ElementModel::root`], [`ElementModel::root_from`], [`ElementModel::minimum`],
+/// [`ElementModel::stationary_from`] and [`ElementModel::solve`].
+#[derive(Clone, Copy, Debug)]
+pub struct Root<'g, const N: usize> {
+    /// The unknowns.
+    pub unknowns: Vector<'g, N>,
+    /// Largest residual relative to the starting one or to the unknowns, whichever is larger; below 10⁻¹², or there is no root near
+    /// the start.
+    pub residual: Expr<'g>,
+    /// Evaluations of the equations.
+    pub iterations: Expr<'g>,
+}
+
+/// Where a quadratic function is stationary, see [`ElementModel::stationary`].
+#[derive(Clone, Copy, Debug)]
+pub struct Stationary<'g, const N: usize> {
+    /// The unknowns.
+    pub unknowns: Vector<'g, N>,
+    /// Smallest pivot of the function's second derivative relative to its diagonal: 0 where there is no single such place.
+    pub pivot_ratio: Expr<'g>,
+}
+
+impl<'g> ElementModel<'g> {
+    /// A quantity that is held while derivatives are taken: it has its value, and changes with nothing. A length that others are divided
+    /// by is one where it cancels; so is the place an iteration has found, where [`stationary_at`](Self::stationary_at) says how it
+    /// moves.
+    #[must_use]
+    pub fn held<Q: Quantity<'g>>(&self, name: &str, quantity: Q) -> Q {
+        self.check_name(name);
+        quantity.changed(name, &mut |entry, x| {
+            if x.value().is_some() {
+                return x;
+            }
+            self.check_symbol(entry);
+            self.sheet.make(|g| g.bind_held(entry, x.id()))
+        })
+    }
+
+    /// Unknowns u, one to eight, that have known values, such as the foot of a distance, and in which the function is stationary that
+    /// derivatives are taken of: it does not change to first order while u follows the equations r(u) = 0, which hold at the values.
+    /// Its gradient is then that at fixed u, and its Hessian needs du/dx = −r_u⁻¹ r_x only. Values are held. Equations may contain unknowns
+    /// that were made before.
+    ///
+    /// Nothing checks the claims but a test: `Config::test` compares with automatic differentiation, which moves u by the equations.
+    #[must_use]
+    pub fn stationary_at<const N: usize>(
+        &self,
+        name: &str,
+        values: Vector<'g, N>,
+        equations: impl FnOnce(Vector<'g, N>) -> Vector<'g, N>,
+    ) -> Vector<'g, N> {
+        self.check_name(name);
+        if N == 0 || N > Iteration::MOST_EQUATIONS {
+            self.fail(ElementError::Root { root: name.to_owned(), equations: N });
+            return values;
+        }
+        self.known.borrow_mut().get_or_insert_with(|| name.to_owned());
+        let values = self.held(&format!("{name}_value"), values);
+        let unknowns = self.unknowns(name);
+        let equations = equations(unknowns);
+        let (_, at) = self
+            .sheet
+            .edit(|g| g.add_known_root(name, &unknowns.ids(), equations.ids().to_vec(), &values.ids()));
+        self.define(name, Vector::from_fn(|k| self.sheet.expr(at[k])))
+    }
+
+    /// Unknowns at the root of as many equations r(u) = 0, one to eight, such as the natural coordinates of a foot point: by a damped
+    /// Newton iteration from u = 0, with steps of at most ½. Derivatives are those of the implicit function theorem.
+    ///
+    /// Whoever uses the kernels has to know whether there is a root: state [`Root::residual`] as a value.
+    #[must_use]
+    pub fn root<const N: usize>(
+        &self,
+        name: &str,
+        equations: impl FnOnce(Vector<'g, N>) -> Vector<'g, N>,
+    ) -> Root<'g, N> {
+        let iteration = if N == 2 { Iteration::Newton } else { Iteration::Within(Limits::default()) };
+        self.root_by(iteration, name, equations)
+    }
+
+    /// The same from a start, within chosen limits: for unknowns that are not of order one, such as those of a state before.
+    #[must_use]
+    pub fn root_from<const N: usize>(
+        &self,
+        name: &str,
+        start: Vector<'g, N>,
+        limits: Limits,
+        equations: impl FnOnce(Vector<'g, N>) -> Vector<'g, N>,
+    ) -> Root<'g, N> {
+        // The iteration starts at zero: it finds the way from the start.
+        let way = self.root_by(Iteration::Within(limits), &format!("{name}_way"), |way| {
+            equations(Vector::from_fn(|k| start[k] + way[k]))
+        });
+        let unknowns = self.define(name, Vector::from_fn(|k| start[k] + way.unknowns[k]));
+        Root { unknowns, ..way }
+    }
+
+    /// Unknowns, one to eight, at which any smooth function is stationary, by a damped Newton iteration from a start that is near. What
+    /// is quadratic has [`stationary`](Self::stationary).
+    #[must_use]
+    pub fn stationary_from<const N: usize>(
+        &self,
+        name: &str,
+        start: Vector<'g, N>,
+        limits: Limits,
+        function: impl FnOnce(Vector<'g, N>) -> Expr<'g>,
+    ) -> Root<'g, N> {
+        let way = self.root_by(Iteration::Within(limits), &format!("{name}_way"), |way| {
+            let function = function(Vector::from_fn(|k| start[k] + way[k]));
+            let function = self.with_bound_sums(function, &way.0);
+            way.map(|u| function.by(u))
+        });
+        let unknowns = self.define(name, Vector::from_fn(|k| start[k] + way.unknowns[k]));
+        Root { unknowns, ..way }
+    }
+
+    /// Unknowns u of linear equations A u = b, one to eight, without symmetry. Pivots are searched for in the kernel, in each lane by
+    /// itself. [`Root::residual`] stays above 10⁻¹² where A is singular.
+    #[must_use]
+    pub fn solve<const N: usize>(
+        &self,
+        name: &str,
+        matrix: Matrix<'g, N, N>,
+        right_hand_side: Vector<'g, N>,
+    ) -> Root<'g, N> {
+        self.root_by(Iteration::Within(Limits::LINEAR), name, |u| {
+            Vector::from_fn(|i| total((0..N).map(|j| matrix[i][j] * u[j])) - right_hand_side[i])
+        })
+    }
+
+    /// Unknowns at a minimum of a function, such as half a squared distance: from u = 0 by steps down to it, Newton's where the function
+    /// is convex, each of at most ½ and half of the way already made. [`Root::residual`] is that of the function's derivatives.
+    #[must_use]
+    pub fn minimum<const N: usize>(
+        &self,
+        name: &str,
+        function: impl FnOnce(Vector<'g, N>) -> Expr<'g>,
+    ) -> Root<'g, N> {
+        self.root_by(Iteration::Descent, name, |unknowns| {
+            let function = self.with_bound_sums(function(unknowns), &unknowns.0);
+            unknowns.map(|u| -function.by(u))
+        })
+    }
+
+    fn root_by<const N: usize>(
+        &self,
+        iteration: Iteration,
+        name: &str,
+        equations: impl FnOnce(Vector<'g, N>) -> Vector<'g, N>,
+    ) -> Root<'g, N> {
+        self.check_name(name);
+        if !iteration.takes(N) {
+            self.fail(ElementError::Root { root: name.to_owned(), equations: N });
+            let zero = self.sheet.zero();
+            return Root { unknowns: Vector::zero(self.sheet), residual: zero, iterations: zero };
+        }
+        let unknowns = self.unknowns(name);
+        let equations = equations(unknowns).map(|equation| self.with_bound_sums(equation, &unknowns.0));
+        if equations.iter().any(|&equation| contains_sum(equation)) {
+            self.fail(ElementError::RootInSum { root: name.to_owned() });
+        }
+        let (root, values) = self.sheet.root_by(iteration, name, unknowns, equations);
+        let values = self.define(name, values);
+        if self.has_nodes() {
+            let at = unknowns.set_to(values);
+            let equations = equations.at(&at);
+            let jacobian: Vec<Vec<Expr<'g>>> =
+                equations.iter().map(|r| values.iter().map(|&u| r.by(u)).collect()).collect();
+            self.implicit.borrow_mut().push(Implicit {
+                unknowns: values.to_vec(),
+                equations: equations.to_vec(),
+                jacobian: Jacobian::Inverse(
+                    self.sheet.inverse_general(&format!("{name}_inverse"), &jacobian),
+                ),
+            });
+        }
+        let figure = |figure| self.sheet.root_figure(root, figure);
+        Root {
+            unknowns: values,
+            residual: figure(RootFigure::Residual),
+            iterations: figure(RootFigure::Iterations),
+        }
+    }
+
+    /// Unknowns at which a function is stationary that is quadratic in them, such as the coefficients of a least squares fit: where
+    /// ½ Σ w e² is least for errors e that are linear in the coefficients. A function with a value for each node is summed over them. With
+    /// multipliers for conditions, linear in the unknowns, it is stationary under these: multipliers come last.
+    ///
+    /// Derivatives are those of the implicit function theorem, with one row for each unknown however many sums there are in the system.
+    #[must_use]
+    pub fn stationary<const N: usize>(
+        &self,
+        name: &str,
+        function: impl FnOnce(Vector<'g, N>) -> Expr<'g>,
+    ) -> Stationary<'g, N> {
+        self.check_name(name);
+        let unknowns: Vector<'g, N> = self.unknowns(name);
+        let function = function(unknowns);
+        let function = if function.scope() == Scope::Node { function.sum() } else { function };
+        let function = self.with_bound_sums(function, &unknowns.0);
+        let equations = unknowns.map(|u| function.by(u));
+        let lower: Vec<Vec<Expr<'g>>> =
+            (0..N).map(|i| (0..=i).map(|j| equations[i].by(unknowns[j])).collect()).collect();
+        let is_multiplier = |row: &usize| lower[*row][*row].is_zero();
+        let is_quadratic = !lower.iter().flatten().any(|x| unknowns.iter().any(|&u| x.contains(u)));
+        let (multipliers, others): (Vec<usize>, Vec<usize>) = (0..N).partition(is_multiplier);
+        if !is_quadratic || others.is_empty() {
+            self.fail(ElementError::NotQuadratic { unknowns: name.to_owned() });
+            return Stationary { unknowns: Vector::zero(self.sheet), pivot_ratio: self.sheet.zero() };
+        }
+        let order = others.into_iter().chain(multipliers.iter().copied()).collect();
+        let system = SymmetricSystem::of(&format!("{name}_system"), &lower, order);
+        let system = self.sheet.system(system.with_multipliers(multipliers));
+        let at_zero = equations.at(&unknowns.set_to(Vector::zero(self.sheet)));
+        let solution = system.solve(&at_zero.map(|x| -x).0);
+        let values = self.define(name, Vector::from_fn(|k| solution[k]));
+        if self.has_nodes() {
+            self.implicit.borrow_mut().push(Implicit {
+                unknowns: values.to_vec(),
+                equations: equations.at(&unknowns.set_to(values)).to_vec(),
+                jacobian: Jacobian::Symmetric(system),
+            });
+        }
+        Stationary { unknowns: values, pivot_ratio: system.pivot_ratio() }
+    }
+
+    /// Variables for the unknowns of equations.
+    fn unknowns<const N: usize>(&self, name: &str) -> Vector<'g, N> {
+        Vector::from_fn(|k| self.sheet.variable(&format!("{name}_unknown_{}", k + 1)))
+    }
+}

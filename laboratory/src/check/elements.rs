@@ -44,7 +44,7 @@ pub const SMALLEST_DETERMINANT: f64 = 0.2;
 /// Largest in-plane distance of the foot from the slave over R.
 pub const LARGEST_FOOT_DISTANCE: f64 = 0.8;
 
-/// Largest change of M and H_f, relative, with the last digits of the nodes' coordinates.
+/// Largest change of M, ∇²q and H_f, relative, with the last digits of the nodes' coordinates.
 pub const LARGEST_CHANGE: f64 = 1e-13;
 
 /// Elements tried before giving up.
@@ -203,8 +203,8 @@ impl RandomElement {
             .with_weight(self.weight)
     }
 
-    /// How much M in all frames, and H_f, change over their largest entries when the nodes move by one unit in the last digits of their
-    /// coordinates, to and fro; infinite if there is no result.
+    /// How much M and ∇²q in all frames, and H_f, change over their largest entries when the nodes move by one unit in the last digits of
+    /// their coordinates, to and fro; infinite if there is no result.
     fn change_with_last_digits(&self, backend: &dyn Backend) -> f64 {
         let mut other = self.clone();
         for (k, x) in other.masters.as_flattened_mut().iter_mut().enumerate() {
@@ -212,9 +212,13 @@ impl RandomElement {
         }
         let hessians = |random: &Self| -> Result<Vec<SymmetricMatrix>, ElementError> {
             let surface = backend.surface(&random.element(FrameRule::Held), self.point, Mode::Hessian)?;
-            let gaps = [FrameRule::Held, FrameRule::CoMoving, FrameRule::Material]
-                .map(|rule| backend.gap(&random.element(rule), Mode::Hessian).map(|gap| gap.hessian));
-            gaps.into_iter().chain([Ok(surface.hessian)]).collect()
+            let mut all = vec![surface.hessian];
+            for rule in [FrameRule::Held, FrameRule::CoMoving, FrameRule::Material] {
+                // With that of the gap.
+                let slip = backend.slip(&random.element(rule), random.anchor, Mode::Hessian)?;
+                all.extend([slip.contact.hessian, slip.hessian]);
+            }
+            Ok(all)
         };
         let (Ok(before), Ok(after)) = (hessians(self), hessians(&other)) else { return f64::INFINITY };
         let largest = |x: &[f64]| x.iter().fold(0.0, |largest: f64, x| largest.max(x.abs()));

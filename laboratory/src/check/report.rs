@@ -217,7 +217,9 @@ impl Report {
         )?;
         line(
             "",
-            &format!("and M and H_f change by {LARGEST_CHANGE:e} at most with the last digits of the nodes"),
+            &format!(
+                "and M, ∇²q and H_f change by {LARGEST_CHANGE:e} at most with the last digits of the nodes"
+            ),
         )?;
         line(
             "difference",

@@ -1,0 +1,87 @@
+#!/usr/bin/env python3
+"""How long wrenfold takes to write the surface's derivatives for few nodes, with the function of `model.py`.
+
+    benches/rivals/wrenfold_rival.py [NODES]        6 unless said otherwise
+"""
+
+import re
+import sys
+import time
+import typing
+
+import wrenfold as wf
+from wrenfold import sym
+
+import model
+
+
+def surface(inputs, nodes):
+    """f at the slave, of offsets in a frame that is held, lengths over R; inputs are slave and nodes, then the point."""
+    variables = [inputs[k] for k in range(3 * (nodes + 1))]
+    offsets = [[variables[3 * (k + 1) + axis] - variables[axis] for k in range(nodes)] for axis in range(3)]
+    # Nodes are terms of a sum that is written out.
+    a, b, z = (Column(entries) for entries in offsets)
+    alpha = model.coefficients(a, b, z, lambda terms: sum(terms.entries[1:], terms.entries[0]), Column.sqrt)
+    point = [inputs[3 * (nodes + 1) + k] for k in range(2)]
+    return variables, model.surface(alpha, sym.integer(1), point)
+
+
+class Column:
+    """Expressions of all nodes, with the operations of one."""
+
+    def __init__(self, entries):
+        self.entries = list(entries)
+
+    def _with(self, other, operation):
+        others = other.entries if isinstance(other, Column) else [other] * len(self.entries)
+        return Column(operation(x, y) for x, y in zip(self.entries, others))
+
+    def __add__(self, other):
+        return self._with(other, lambda x, y: x + y)
+
+    def __sub__(self, other):
+        return self._with(other, lambda x, y: x - y)
+
+    def __rsub__(self, other):
+        return self._with(other, lambda x, y: y - x)
+
+    def __mul__(self, other):
+        return self._with(other, lambda x, y: x * y)
+
+    __radd__, __rmul__ = __add__, __mul__
+
+    def sqrt(self):
+        """Their roots."""
+        return Column(sym.sqrt(x) for x in self.entries)
+
+
+def timed(nodes, with_hessian):
+    """Seconds to describe and to write the function, and its operations."""
+    length = 3 * (nodes + 1) + 2
+
+    def rival(inputs: typing.Annotated[sym.MatrixExpr, wf.Shape(rows=length, cols=1)]):
+        variables, f = surface(inputs, nodes)
+        gradient = sym.jacobian([f], variables).to_flat_list()
+        outputs = [f, *gradient]
+        if with_hessian:
+            hessian = sym.jacobian(gradient, variables)
+            outputs += [hessian[i, j] for i in range(len(variables)) for j in range(i + 1)]
+        return [wf.OutputArg(sym.vector(*outputs), "out")]
+
+    start = time.perf_counter()
+    description = wf.create_function_description(rival)
+    described = time.perf_counter()
+    text = wf.CppGenerator().generate(wf.transpile(description))
+    operations = re.search(r"// total: (\d+)", text).group(1)
+    return described - start, time.perf_counter() - described, operations
+
+
+def main():
+    nodes = int(sys.argv[1]) if len(sys.argv) > 1 else 6
+    for name, with_hessian in (("f, gradient", False), ("f, gradient, Hessian", True)):
+        described, written, operations = timed(nodes, with_hessian)
+        print(f"n = {nodes}, {name}: {described:.1f} s, written in {written:.1f} s, {operations} operations", flush=True)
+
+
+if __name__ == "__main__":
+    main()

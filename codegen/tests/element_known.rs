@@ -86,7 +86,33 @@ fn a_value_that_is_stationary_at_what_is_known() {
     });
 }
 
-/// Largest part of a Hessian by a quantity that is held: none.
+/// A sum over the nodes that is held is a number for all of them.
+#[test]
+fn a_sum_over_nodes_is_held() {
+    let element = |is_held: bool| {
+        let formulas = |m: &ElementModel<'_>| {
+            let x: Vec2<'_> = m.node_variable("x");
+            let scale = x.dot(x).sum().sqrt();
+            let scale = if is_held { m.held("scale", scale) } else { 1.5 * scale / scale };
+            m.energy((x[0] * x[0] * x[1]).sum() * scale);
+        };
+        let element = ElementKernels::new("of_nodes", formulas).unwrap();
+        // |(0.7, 1.1, 0.5, 0.55)| is 1.5 to rounding.
+        let (a, b) = ([0.7, 1.1], [0.5, 0.3_f64.sqrt()]);
+        let nodes: [&[f64]; 2] = [&a, &b];
+        let found = element_results(element.kernels.last().unwrap(), &[], &nodes);
+        (found, element_derivatives(&element, &[], &nodes))
+    };
+    let ((held, by_expansions), (constant, _)) = (element(true), element(false));
+    for (name, expected) in constant {
+        let found = held.iter().chain(&by_expansions).filter(|(other, _)| *other == name);
+        for (_, found) in found {
+            assert!(difference(found, &expected) < 1e-12, "{name}");
+        }
+    }
+}
+
+/// What is held has no part in derivatives.
 #[test]
 fn what_is_held_does_not_change() {
     let element = ElementKernels::new("held", |m| {

@@ -16,22 +16,14 @@
 //!
 //! Unknowns whose values are known and in which the function is stationary are one level of their own, see [`super::known`].
 
-use super::expansion::Expansion;
+use super::definition::Intermediate;
+use super::expansion::{Derivatives, Expansion};
 use super::known::{Known, is_known};
 use super::linear_images::{LinearImages, vectors_of_nodes};
 use crate::expr::Expr;
 
 /// Levels that are tried both ways.
 const MOST_CHOICES: usize = 4;
-
-/// An intermediate quantity: a symbol, and what it is in terms of variables and lower intermediates.
-#[derive(Clone, Copy, Debug)]
-pub struct Intermediate<'g> {
-    /// The symbol that functions of it contain.
-    pub symbol: Expr<'g>,
-    /// Its definition.
-    pub definition: Expr<'g>,
-}
 
 /// Variables, and intermediates in levels, the lowest first.
 #[derive(Clone, Debug, Default)]
@@ -49,15 +41,6 @@ pub struct Way {
     forms: usize,
     /// Whether the lowest level is eliminated as vectors that are linear in those of nodes.
     by_vectors: bool,
-}
-
-/// Derivatives by the variables.
-#[derive(Clone, Debug)]
-pub struct Derivatives<'g> {
-    /// ∂E/∂x
-    pub gradient: Vec<Expr<'g>>,
-    /// ∂²E/∂x², packed lower triangle; empty if it was not asked for.
-    pub hessian: Vec<Expr<'g>>,
 }
 
 impl<'g> Chain<'g> {

@@ -2,14 +2,23 @@
 
 use std::collections::BTreeMap;
 
-use super::chain::{Derivatives, Intermediate};
+use super::definition::Intermediate;
 use super::known::Known;
 use super::linear_images::LinearImages;
 use crate::expr::{Expr, Mat3, Sheet, Vector, dot};
 use crate::graph::{Op, RootId};
 
+/// Derivatives by the variables.
+#[derive(Clone, Debug)]
+pub struct Derivatives<'g> {
+    /// ∂E/∂x
+    pub gradient: Vec<Expr<'g>>,
+    /// ∂²E/∂x², packed lower triangle; empty if it was not asked for.
+    pub hessian: Vec<Expr<'g>>,
+}
+
 /// Entries that are not zero, by the place of the symbol they belong to.
-pub(super) type Row<'g> = BTreeMap<usize, Expr<'g>>;
+type Row<'g> = BTreeMap<usize, Expr<'g>>;
 
 /// Σ q_k b_kl q_lᵀ
 pub(super) struct Form<'g> {
@@ -124,7 +133,7 @@ impl<'g> Expansion<'g> {
             }
             for (k, rates) in (first..first + unknowns).zip(&rates) {
                 let Some(mixed) = entry(k, i) else { continue };
-                for (&j, &rate) in rates {
+                for (j, &rate) in rates.iter().enumerate().filter(|(_, rate)| !rate.is_zero()) {
                     terms.entry((i, j)).or_default().push((mixed, rate));
                 }
             }
@@ -363,7 +372,7 @@ fn summed<'g, K: Ord + Copy>(terms: Terms<'g, K>) -> BTreeMap<K, Expr<'g>> {
     sums
 }
 
-pub(super) fn insert<'g, K: Ord>(into: &mut BTreeMap<K, Expr<'g>>, place: K, x: Expr<'g>) {
+fn insert<'g, K: Ord>(into: &mut BTreeMap<K, Expr<'g>>, place: K, x: Expr<'g>) {
     if !x.is_zero() {
         into.insert(place, x);
     }

@@ -12,7 +12,8 @@ use std::collections::BTreeSet;
 
 use rustc_hash::{FxHashMap, FxHashSet};
 
-use super::chain::{Chain, Intermediate};
+use super::chain::Chain;
+use super::definition::Intermediate;
 use crate::expr::{Expr, Sheet};
 use crate::graph::{ExprId, Graph, Op};
 

@@ -5,8 +5,9 @@
 //! any more, the function is one of differences. Vectors of several inputs may be nodes of one group, such as a slave and its masters. The
 //! node that is left out is the one whose own rows take most operations.
 
-use super::chain::{Chain, Derivatives, Way};
+use super::chain::{Chain, Way};
 use super::direction::Direction;
+use super::expansion::Derivatives;
 use super::intermediates::{Written, as_bound, with_found};
 use crate::expr::{Expr, Sheet, all_at, ids, total};
 use crate::graph::ExprId;

@@ -9,8 +9,7 @@
 //! at the values that w has, which are put in before anything is computed: often most of r_w and E_zw is zero there. E_zz + E_zw C is
 //! symmetric in exact arithmetic, but its rows are kept as they are. Those that belong to a vector then show what they have in common.
 
-use super::chain::Intermediate;
-use super::expansion::{Row, insert};
+use super::definition::Intermediate;
 use super::factors::{ScaledVector, common_factor};
 use crate::expr::{Expr, dot};
 use crate::graph::{Op, Root};
@@ -79,21 +78,19 @@ impl<'g> Known<'g> {
         self.values.clone()
     }
 
-    /// C at the values: of each unknown its derivatives by the symbols below, by their places.
-    pub fn rates(&self, below: &[Expr<'g>]) -> Vec<Row<'g>> {
+    /// C at the values: of each unknown its derivatives by the symbols below.
+    pub fn rates(&self, below: &[Expr<'g>]) -> Vec<Vec<Expr<'g>>> {
         let mut rates: Vec<(Expr<'g>, Vec<Expr<'g>>)> = Vec::new();
         for root in &self.roots {
             let of_root = root.rates(below, &rates, &self.values);
             rates.extend(root.unknowns.iter().copied().zip(of_root));
         }
-        let row = |v: &Intermediate<'g>| {
-            let mut row = Row::new();
-            let of_unknown = rates.iter().find(|(unknown, _)| *unknown == v.symbol);
-            let entries = of_unknown.iter().flat_map(|(_, rates)| rates).enumerate();
-            entries.for_each(|(place, &x)| insert(&mut row, place, x));
-            row
+        let of_unknown = |v: &Intermediate<'g>| {
+            let (_, rates) =
+                rates.iter().find(|(unknown, _)| *unknown == v.symbol).expect("an unknown of a root");
+            rates.clone()
         };
-        self.unknowns.iter().map(row).collect()
+        self.unknowns.iter().map(of_unknown).collect()
     }
 }
 

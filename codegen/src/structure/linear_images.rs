@@ -11,7 +11,7 @@
 //! s ⊗ d_l. That is found in the expressions, not assumed. W_jm is then s ⊗ w with a vector w, and all such
 //! terms of a block with the same s are one product.
 
-use super::chain::Intermediate;
+use super::definition::Intermediate;
 use super::factors::common_factor;
 use crate::expr::{AXES, Expr, Mat3, Vec3, Vector, dot};
 

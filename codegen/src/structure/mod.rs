@@ -4,6 +4,7 @@
 mod chain;
 mod combination;
 mod coordinates;
+mod definition;
 mod direction;
 mod elimination;
 mod expansion;
@@ -20,10 +21,12 @@ mod node_sums;
 mod outer_block;
 mod point;
 
-pub use chain::{Chain, Derivatives, Intermediate, Way};
+pub use chain::{Chain, Way};
 pub use coordinates::CoordinateMap;
+pub use definition::Intermediate;
 pub use direction::Direction;
 pub use elimination::Elimination;
+pub use expansion::Derivatives;
 pub use follower::Follower;
 pub use intermediates::{Written, as_bound, with_found};
 pub use invariance::{NodeVectors, hessian_product, total_derivatives};

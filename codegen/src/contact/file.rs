@@ -57,7 +57,7 @@ impl<'a> EmitOptions<'a> {
     }
 }
 
-/// A function with more than [`MOST_STATEMENTS`].
+/// A function with more than [`MOST_STATEMENTS`](crate::emit::MOST_STATEMENTS).
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct TooLong {
     /// The weight, or the weights that share kernels, by their names.

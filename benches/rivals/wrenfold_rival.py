@@ -80,7 +80,8 @@ def main():
     nodes = int(sys.argv[1]) if len(sys.argv) > 1 else 6
     for name, with_hessian in (("f, gradient", False), ("f, gradient, Hessian", True)):
         described, written, operations = timed(nodes, with_hessian)
-        print(f"n = {nodes}, {name}: {described:.1f} s, written in {written:.1f} s, {operations} operations", flush=True)
+        seconds = f"{described:.1f} s, written in {written:.1f} s"
+        print(f"n = {nodes}, {name}: {seconds}, {operations} operations", flush=True)
 
 
 if __name__ == "__main__":

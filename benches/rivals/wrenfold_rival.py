@@ -16,7 +16,7 @@ import model
 
 
 def surface(inputs, nodes):
-    """f at the slave, of offsets in a frame that is held, lengths over R; inputs are slave and nodes, then the point."""
+    """f at a point, in a frame that is held, lengths over R; inputs are slave and nodes, then the point."""
     variables = [inputs[k] for k in range(3 * (nodes + 1))]
     offsets = [[variables[3 * (k + 1) + axis] - variables[axis] for k in range(nodes)] for axis in range(3)]
     # Nodes are terms of a sum that is written out.

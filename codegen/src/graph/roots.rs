@@ -61,15 +61,8 @@ impl Graph {
         residuals: Vec<ExprId>,
         iteration: Iteration,
     ) -> (RootId, Vec<ExprId>) {
-        let (unknowns, jacobian) = self.jacobian(unknowns, &residuals);
-        self.push_root(Root {
-            name: name.to_owned(),
-            unknowns,
-            residuals,
-            jacobian,
-            iteration,
-            known: Vec::new(),
-        })
+        let jacobian = self.jacobian(unknowns, &residuals);
+        self.add_root_with_jacobian(name, unknowns, residuals, jacobian, iteration)
     }
 
     /// Adds a small system of equations whose root is known: nothing is solved for the values, which the unknowns have; the equations
@@ -85,17 +78,17 @@ impl Graph {
         known: &[ExprId],
     ) -> (RootId, Vec<ExprId>) {
         assert_eq!(unknowns.len(), known.len(), "{name}: one value for each unknown");
-        let (unknowns, jacobian) = self.jacobian(unknowns, &residuals);
+        let jacobian = self.jacobian(unknowns, &residuals);
+        let unknowns = unknowns.iter().map(|&u| self.symbol_of(u)).collect();
         let (name, known, iteration) =
             (self.root_name(name), known.to_vec(), Iteration::Within(Limits::LINEAR));
         self.push_root(Root { name, unknowns, residuals, jacobian, iteration, known })
     }
 
-    fn jacobian(&mut self, unknowns: &[ExprId], residuals: &[ExprId]) -> (Vec<SymbolId>, Vec<Vec<ExprId>>) {
+    fn jacobian(&mut self, unknowns: &[ExprId], residuals: &[ExprId]) -> Vec<Vec<ExprId>> {
         let unknowns: Vec<SymbolId> = unknowns.iter().map(|&u| self.symbol_of(u)).collect();
         let row = |&residual| unknowns.iter().map(|&u| self.derivative(residual, u)).collect();
-        let jacobian = residuals.iter().map(row).collect();
-        (unknowns, jacobian)
+        residuals.iter().map(row).collect()
     }
 
     /// As [`add_root`](Self::add_root), with the Jacobian ∂(residual)/∂(unknown) made elsewhere.

@@ -17,6 +17,9 @@
 //! * Default options are written out in Python, where people read them; a test compares them with Rust's.
 //! * Kernels are compiled as those of all programs of the workspace are: numbers are equal to the last bit.
 #![forbid(unsafe_code)]
+// `cargo test NAME` builds a test program of every library, also of those that ask for none. It could not be linked: Python's symbols are
+// those of the process that loads the module.
+#![cfg(not(test))]
 // Python sees what is exported; to Rust all of it is private.
 #![allow(rustdoc::private_intra_doc_links)]
 

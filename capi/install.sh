@@ -31,9 +31,14 @@ mkdir -p "$root/include" "$root/lib/pkgconfig" "$root/lib/cmake/diffuse_contact"
 if [ $# = 2 ]; then
     built=$(cd "$2" && pwd)
 else
-    (cd "$here" && cargo build --release -p diffuse-contact-capi)
-    target=${CARGO_TARGET_DIR:-$here/../target}
-    built=$(cd "$here" && cd "$target" && pwd)/release
+    # Cargo says where it builds, which its configuration may set.
+    library=$(cd "$here" && cargo build --release -p diffuse-contact-capi --message-format=json-render-diagnostics |
+        grep -o '"[^"]*/libdiffuse_contact\.so"' | tail -n 1 | tr -d '"')
+    if [ -z "$library" ]; then
+        echo "install.sh: no libdiffuse_contact.so was built; on other systems than Linux take the library from Cargo" >&2
+        exit 1
+    fi
+    built=$(dirname "$library")
 fi
 
 version=$(sed -n '/^\[workspace.package\]/,/^\[/s/^version = "\(.*\)"/\1/p' "$here/../Cargo.toml")

@@ -23,7 +23,8 @@ module diffuse_contact
         enumerator :: DC_CONTACT = 0, DC_NOT_PAIRED, DC_TOO_FAR, DC_NO_CANDIDATE, DC_ILL_CONDITIONED, DC_BEYOND_BORDER, &
             DC_SINGULAR_FIT, DC_FOOT_DIVERGED, DC_FOOT_OUTSIDE, DC_CENTRE_OF_CURVATURE, &
             DC_BEYOND_CENTRE_OF_CURVATURE, DC_NO_AVERAGE_PLANE, DC_AMBIGUOUS_OUTWARD, DC_DEGENERATE_FACET, &
-            DC_ELEMENT_OVERFLOW, DC_REFUSED, DC_NOT_MATERIAL_PLACE, DC_BEYOND_WINDOW
+            DC_ELEMENT_OVERFLOW, DC_REFUSED, DC_NOT_MATERIAL_PLACE, DC_BEYOND_WINDOW, &
+            DC_NOTHING_OVER
     end enum
 
     ! dc_fallback, dc_mode, dc_element_kind, dc_weight, dc_frame, dc_rule, dc_basis, dc_tangent, dc_triangle
@@ -328,7 +329,7 @@ module diffuse_contact
             integer(c_int) :: status
         end function
 
-        !> Numbers for a restart; without history count gets how many there are.
+        !> A round of the augmented Lagrangian for friction, in equilibrium.
         function dc_augment(interface, law, moves, slave_count) bind(c) result(status)
             import :: c_int, c_int32_t, c_ptr, c_size_t, dc_law
             type(c_ptr), value :: interface
@@ -353,6 +354,7 @@ module diffuse_contact
             integer(c_int) :: status
         end function
 
+        !> Numbers for a restart; without history count gets how many there are.
         function dc_history(interface, history, capacity, count) bind(c) result(status)
             import :: c_double, c_int, c_ptr, c_size_t
             type(c_ptr), value :: interface
@@ -648,6 +650,15 @@ module diffuse_contact
             integer(c_int) :: status
         end function
 
+        function dc_operator_transposed_product(tangent, v, product, equation_count) bind(c) result(status)
+            import :: c_double, c_int, c_ptr, c_size_t
+            type(c_ptr), value :: tangent
+            real(c_double), intent(in) :: v(*)
+            real(c_double), intent(inout) :: product(*)
+            integer(c_size_t), value :: equation_count
+            integer(c_int) :: status
+        end function
+
         function dc_operator_diagonal(tangent, diagonal, equation_count) bind(c) result(status)
             import :: c_double, c_int, c_ptr, c_size_t
             type(c_ptr), value :: tangent
@@ -802,6 +813,18 @@ module diffuse_contact
             integer(c_int) :: status
         end function
 
+        !> Contact at the integration points over the master; without arrays point_count gets how many there are.
+        function dc_faces_points(faces, faces_of_points, positions, areas, gaps, normals, pressures, tractions, capacity, &
+                point_count) bind(c) result(status)
+            import :: c_double, c_int, c_int32_t, c_ptr, c_size_t
+            type(c_ptr), value :: faces
+            integer(c_int32_t), intent(inout), optional :: faces_of_points(*)
+            real(c_double), intent(inout), optional :: positions(*), areas(*), gaps(*), normals(*), pressures(*), tractions(*)
+            integer(c_size_t), value :: capacity
+            integer(c_size_t), intent(out), optional :: point_count
+            integer(c_int) :: status
+        end function
+
         !> Friction of all slave nodes, of the last evaluation.
         function dc_faces_friction(faces, states, tractions, slips, slave_count) bind(c) result(status)
             import :: c_double, c_int, c_int32_t, c_ptr, c_size_t
@@ -823,7 +846,7 @@ module diffuse_contact
             integer(c_int) :: status
         end function
 
-        !> Numbers for a restart; without history count gets how many there are.
+        !> A round of the augmented Lagrangian for friction, in equilibrium.
         function dc_faces_augment(faces, law, moves, slave_count) bind(c) result(status)
             import :: c_int, c_int32_t, c_ptr, c_size_t, dc_law
             type(c_ptr), value :: faces
@@ -848,6 +871,7 @@ module diffuse_contact
             integer(c_int) :: status
         end function
 
+        !> Numbers for a restart; without history count gets how many there are.
         function dc_faces_history(faces, history, capacity, count) bind(c) result(status)
             import :: c_double, c_int, c_ptr, c_size_t
             type(c_ptr), value :: faces

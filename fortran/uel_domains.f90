@@ -266,8 +266,16 @@ contains
             if (this%wants_force) rhs(:, 1) = residual
             if (.not. this%ends_increment) return
             call expect(dc_cutback(interface, factor))
-            if (contact%outcome /= DC_CONTACT .and. was < 0) &
-                factor = min(factor, merge(0.5d0, 0.25d0, contact%outcome == DC_FOOT_OUTSIDE))
+            ! The interface of this call does not know that the slave penetrated before.
+            if (was < 0) then
+                select case (contact%outcome)
+                case (DC_CONTACT, DC_TOO_FAR, DC_NO_CANDIDATE, DC_BEYOND_BORDER, DC_NOTHING_OVER)
+                case (DC_FOOT_OUTSIDE)
+                    factor = min(factor, 0.5d0)
+                case default
+                    factor = min(factor, 0.25d0)
+                end select
+            end if
             if (factor < 1) pnewdt = min(pnewdt, factor)
         end subroutine
 

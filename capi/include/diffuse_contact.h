@@ -5,7 +5,7 @@
  *     dc_create                   positions, facets, slaves               once
  *     dc_create_self_contact      the same of a surface that touches itself
  *     dc_set_symmetry             planes in which everything is mirrored  once, if there are any
- *     dc_refresh                  who is paired with whom                 once an increment, or once an iteration
+ *     dc_refresh                  who is paired with whom                 once an increment
  *     dc_follow, dc_evaluate      the positions of the moment             each iteration
  *     dc_add_forces               adds the contact forces
  *     dc_adaptive_tangent         which tangent: e N N^T far from equilibrium
@@ -122,6 +122,8 @@ typedef enum dc_outcome {
     DC_NOT_MATERIAL_PLACE = 16,
     // The slave has a window of the master only, and its result may depend on what is not in it: make a new window.
     DC_BEYOND_WINDOW = 17,
+    // Over faces and in self contact: no facet of the master lies over the faces around the node within the limit.
+    DC_NOTHING_OVER = 18,
 } dc_outcome;
 
 // What the neighbour search had to give up for a contact.
@@ -653,7 +655,7 @@ enum dc_status dc_follow(struct dc_interface *interface,
                          size_t node_count,
                          int32_t *rebuilt);
 
-// Takes over the positions and pairs every slave anew. Call it once an increment, or once an iteration. `report` may be NULL; its field `size` has to be set.
+// Takes over the positions and pairs every slave. Call it once an increment. `report` may be NULL; its field `size` has to be set.
 //
 // With DC_DOMAINS lists of nodes are kept while nothing has moved by more than half their skin, 0.06 of the shortest half axis of their
 // domains. New lists change no gap, so jump_node is -1. Domains lie in the configuration of dc_create and are never renewed: they turn and
@@ -999,6 +1001,15 @@ enum dc_status dc_operator_product(struct dc_operator *tangent,
                                    const double *v,
                                    double *product,
                                    size_t equation_count);
+
+// Adds K^T v to `product`, as dc_operator_product adds K v: for methods that need both where friction makes K unsymmetric.
+//
+// # Safety
+// The arrays have `equation_count` entries each.
+enum dc_status dc_operator_transposed_product(struct dc_operator *tangent,
+                                              const double *v,
+                                              double *product,
+                                              size_t equation_count);
 
 // Adds the diagonal of K to `diagonal`, one entry per equation; failures as of dc_operator_product.
 //
@@ -1378,6 +1389,27 @@ enum dc_status dc_faces_history(struct dc_faces *faces, double *history, size_t 
 enum dc_status dc_faces_set_history(struct dc_faces *faces,
                                     const double *history,
                                     size_t count);
+
+// What contact is at the integration points that lie over the master, face by face, by the pressures of the last dc_faces_evaluate; found
+// anew by each call. `faces_of_points` gets numbers of their faces among the slave's; `positions` places on the slave's own smooth surface,
+// 3 numbers each, length; `areas` what each stands for of its face in the first configuration, length^2; `gaps` length; `normals` the unit
+// normals of the master, 3 numbers each; `pressures` force per area; `tractions` friction on the slave, 3 numbers each, force per area.
+//
+// Each may be NULL. With all of them NULL `point_count` gets how many points there are. DC_BAD_SIZE where `capacity` is less.
+// DC_NOT_EVALUATED at positions that have no evaluation.
+//
+// # Safety
+// The arrays have room for `capacity` points; `point_count` is NULL or may be written.
+enum dc_status dc_faces_points(struct dc_faces *faces,
+                               int32_t *faces_of_points,
+                               double *positions,
+                               double *areas,
+                               double *gaps,
+                               double *normals,
+                               double *pressures,
+                               double *tractions,
+                               size_t capacity,
+                               size_t *point_count);
 
 // Adds the contact forces R on the nodes to `forces`, one entry per equation, as dc_add_forces does. `active_count`, the number of
 // slave nodes that carry pressure, and `missed_count`, points of loaded faces that carry no force as their line of force meets no place

@@ -1,6 +1,7 @@
 //! Contact over faces of a rank that knows windows of both surfaces only.
 
 use runtime::faces::FaceInterface;
+use runtime::surface::window::Window;
 
 use crate::border;
 use crate::faces::{call, dc_faces, face_options, insert, joined, quadratic_faces};
@@ -43,10 +44,14 @@ pub unsafe extern "C" fn dc_faces_create_in_window(
                 unsafe { (points(positions, node_count)?, dc_options::read(options)?) };
             check_nodes(positions.len())?;
             let options = face_options(&options, degree)?;
-            let interface = WINDOWS.with(master.addr(), |master| {
-                WINDOWS.with(slave.addr(), |slave| {
-                    Ok(threads::run(|| FaceInterface::in_window(master, slave, positions, options))??)
-                })
+            let make = |master: &Window, slave: &Window| {
+                Ok(threads::run(|| FaceInterface::in_window(master, slave, positions, options))??)
+            };
+            let interface = WINDOWS.with(master.addr(), |of_master| {
+                if master == slave {
+                    return make(of_master, of_master);
+                }
+                WINDOWS.with(slave.addr(), |of_slave| make(of_master, of_slave))
             })?;
             insert(interface, positions.len())
         };

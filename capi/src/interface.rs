@@ -386,7 +386,7 @@ fn frozen() -> Failure {
     Failure::new(DC_FROZEN, "frozen: the positions were taken over, the pairing is held until dc_thaw")
 }
 
-/// Takes over the positions and pairs every slave anew. Call it once an increment, or once an iteration. `report` may be NULL; its field `size` has to be set.
+/// Takes over the positions and pairs every slave. Call it once an increment. `report` may be NULL; its field `size` has to be set.
 ///
 /// With DC_DOMAINS lists of nodes are kept while nothing has moved by more than half their skin, 0.06 of the shortest half axis of their
 /// domains. New lists change no gap, so jump_node is -1. Domains lie in the configuration of dc_create and are never renewed: they turn and

@@ -61,6 +61,7 @@ mod element;
 mod faces;
 mod faces_assembly;
 mod faces_friction;
+mod faces_points;
 mod faces_window;
 mod feet;
 mod friction;

@@ -86,13 +86,28 @@ pub unsafe extern "C" fn dc_operator_product(
     product: *mut f64,
     equation_count: usize,
 ) -> dc_status {
-    border::call(|| {
-        OPERATORS.with(tangent.addr(), |tangent| {
-            // SAFETY: as the caller promises.
-            let (v, product) = unsafe { factors(v, product, equation_count)? };
-            threads::run(|| tangent.add_product(v, product))??;
-            Ok::<(), Failure>(())
-        })
+    OPERATORS.call(tangent, |tangent| {
+        // SAFETY: as the caller promises.
+        let (v, product) = unsafe { factors(v, product, equation_count)? };
+        Ok(threads::run(|| tangent.add_product(v, product))??)
+    })
+}
+
+/// Adds K^T v to `product`, as dc_operator_product adds K v: for methods that need both where friction makes K unsymmetric.
+///
+/// # Safety
+/// The arrays have `equation_count` entries each.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn dc_operator_transposed_product(
+    tangent: *mut dc_operator,
+    v: *const f64,
+    product: *mut f64,
+    equation_count: usize,
+) -> dc_status {
+    OPERATORS.call(tangent, |tangent| {
+        // SAFETY: as the caller promises.
+        let (v, product) = unsafe { factors(v, product, equation_count)? };
+        Ok(threads::run(|| tangent.add_transposed_product(v, product))??)
     })
 }
 
@@ -106,12 +121,9 @@ pub unsafe extern "C" fn dc_operator_diagonal(
     diagonal: *mut f64,
     equation_count: usize,
 ) -> dc_status {
-    border::call(|| {
-        OPERATORS.with(tangent.addr(), |tangent| {
-            // SAFETY: as the caller promises.
-            let diagonal = unsafe { sums("diagonal", diagonal, equation_count)? };
-            threads::run(|| tangent.add_diagonal(diagonal))??;
-            Ok::<(), Failure>(())
-        })
+    OPERATORS.call(tangent, |tangent| {
+        // SAFETY: as the caller promises.
+        let diagonal = unsafe { sums("diagonal", diagonal, equation_count)? };
+        Ok(threads::run(|| tangent.add_diagonal(diagonal))??)
     })
 }

@@ -45,6 +45,8 @@ pub enum dc_outcome {
     DC_NOT_MATERIAL_PLACE = 16,
     /// The slave has a window of the master only, and its result may depend on what is not in it: make a new window.
     DC_BEYOND_WINDOW = 17,
+    /// Over faces and in self contact: no facet of the master lies over the faces around the node within the limit.
+    DC_NOTHING_OVER = 18,
 }
 
 /// What the neighbour search had to give up for a contact.
@@ -59,7 +61,7 @@ pub enum dc_fallback {
 }
 
 /// Outcomes by their stable code.
-const OUTCOMES: [(&CStr, dc_outcome); 18] = [
+const OUTCOMES: [(&CStr, dc_outcome); 19] = [
     (c"contact", dc_outcome::DC_CONTACT),
     (c"not-paired", dc_outcome::DC_NOT_PAIRED),
     (c"too-far", dc_outcome::DC_TOO_FAR),
@@ -78,6 +80,7 @@ const OUTCOMES: [(&CStr, dc_outcome); 18] = [
     (c"refused", dc_outcome::DC_REFUSED),
     (c"not-material-place", dc_outcome::DC_NOT_MATERIAL_PLACE),
     (c"beyond-window", dc_outcome::DC_BEYOND_WINDOW),
+    (c"nothing-over", dc_outcome::DC_NOTHING_OVER),
 ];
 
 /// The outcome with a stable code of the runtime; that of refused input for any other.

@@ -243,6 +243,11 @@ pub unsafe extern "C" fn dc_part_settle(
         let (integers, reals) =
             unsafe { (input("integers", integers, integer_count)?, input("reals", reals, real_count)?) };
         let target = roomy("is_settled", is_settled, 1, 1)?;
+        disjoint([
+            border::read("integers", integers.as_ptr(), integers.len()),
+            border::read("reals", reals.as_ptr(), reals.len()),
+            target.span(),
+        ])?;
         let others = PartDemands::from_numbers(integers, reals)?;
         let settled = threads::run(|| part.settle(&others))??;
         // SAFETY: as the caller promises.
@@ -300,6 +305,8 @@ pub unsafe extern "C" fn dc_window_joined(
             }
             WINDOWS.insert(threads::run(|| Window::joined(&all))??)
         };
+        // Writing to a handle that is still to be read would lose its window.
+        disjoint([border::read("windows", windows, window_count), border::written("joined", joined, 1)])?;
         // SAFETY: as the caller promises.
         unsafe { border::hand_out("joined", joined, make) }
     })

@@ -165,6 +165,8 @@ class Contact:
         self.held = vector.duplicate()
         #: Where the slaves were at the end of the last increment: their anchors lie there.
         self.accepted = self.slave_nodes.first
+        #: Whether friction has begun: an interface that is made later has a history of slaves that stick nowhere.
+        self.slides = False
         self.renew(vector)
 
     def _take_slaves(self, own: Facets) -> None:
@@ -217,7 +219,9 @@ class Contact:
         points = np.vstack([slaves[: len(self.slaves)], self.accepted[: len(self.slaves)]])
         boxes = dc.boxes_around(points, 1.001 * self.limit + self.skin, 8)
         self.window, blocks, owners = self.part.window(moved, boxes, self.skin)
-        history = self.interface.history if self.interface is not None else ()
+        history = np.full(len(self.slaves), -1.0) if self.slides else np.empty(0)
+        if self.interface is not None and self.slides:
+            history = self.interface.history
         self.interface = None
         if self.window is None:
             # No facet is near: nothing to evaluate, and nothing to add.
@@ -271,7 +275,8 @@ class Contact:
     def accept(self, u: PETSc.Vec) -> None:
         """The end of an increment: friction of the next one begins here."""
         self.accepted = self.slave_nodes.positions(u)
-        if self.interface is not None and "friction" in self.law:
+        self.slides = "friction" in self.law
+        if self.interface is not None and self.slides:
             self.interface.accept(**self.law)
             # Anchors couple their nodes, too.
             self.changed = True

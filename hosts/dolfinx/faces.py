@@ -69,6 +69,8 @@ class FaceContact:
         #: No facet is wider along an axis.
         self.largest = self.exchange.largest(np.ptp(corners, axis=1).max(initial=0.0))
         self.interface, self.renewals, self.history = None, 0, {}
+        #: Whether friction has begun: an interface that is made later has a history of nodes that stick nowhere.
+        self.slides = False
         self.cut_at = None
         self.held = vector.duplicate()
         #: Displacements at the end of the last increment: what slaves stuck to is there.
@@ -158,7 +160,7 @@ class FaceContact:
         for wanted, lengths, values in self.exchange.to("history", answers).values():
             rows = np.split(values, np.cumsum(lengths)[:-1])
             found.update(zip(wanted.tolist(), rows, strict=True))
-        if found:
+        if self.slides and self.interface is not None:
             nothing = np.array([-1.0, -1.0])
             self.interface.history = np.concatenate([found.get(number, nothing) for number in numbers.tolist()])
 
@@ -204,7 +206,7 @@ class FaceContact:
         u.copy(self.accepted)
         if "friction" in self.law:
             self._follow(u)
-            self.history = {}
+            self.history, self.slides = {}, True
             if self.interface is not None:
                 self.interface.accept(**self.law)
                 # Two points of each node.

@@ -265,6 +265,12 @@ impl Faces {
         threads::run(py, || contacts.add_forces(dofs, forces))?.map_err(|error| error.raise(py))
     }
 
+    /// Points of loaded faces that carry no force.
+    fn missed(slf: &Bound<'_, Self>) -> PyResult<usize> {
+        let this = shared(slf)?;
+        Ok(this.contacts(slf.py())?.missed())
+    }
+
     /// Adds K v.
     fn add_product(
         slf: &Bound<'_, Self>,

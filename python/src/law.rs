@@ -39,10 +39,10 @@ struct Friction<'py> {
 #[derive(FromPyObject)]
 enum Coefficient<'py> {
     Constant(f64),
+    /// Pressures, rates, coefficients. Before numbers: an array of one number is taken for that number.
+    Tabulated(Numbers<'py>, Numbers<'py>, Numbers<'py>),
     /// At rest, in motion, decay.
     Decaying(f64, f64, f64),
-    /// Pressures, rates, coefficients.
-    Tabulated(Numbers<'py>, Numbers<'py>, Numbers<'py>),
 }
 
 /// What a law refers to.

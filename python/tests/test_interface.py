@@ -361,6 +361,7 @@ def test_beyond_planes_of_symmetry_the_surface_goes_on(scene):
     for symmetry, error, code in [
         ([([4, 0, 0], [2, 0, 0])], dc.InterfaceError, "invalid-symmetry"),
         ([([4, 0, 0], [np.nan, 0, 0])], dc.InterfaceError, "invalid-symmetry"),
+        ([([5, 0, 0], [1, 0, 0])], dc.InterfaceError, "cut-by-symmetry"),
         ([([4, 0, 0],)], dc.InputError, "wrong-shape"),
         ([[4, 0, 0]], dc.InputError, "wrong-shape"),
         ("x", dc.InputError, "wrong-type"),

@@ -180,6 +180,17 @@ def test_nodes_are_augmented(scene):
     np.testing.assert_array_equal(traction(), first)
 
 
+def test_a_table_of_one_coefficient_is_that_coefficient():
+    coefficient = dc.TabulatedCoefficient([1.0], [0.0], [[0.3]])
+    law = {"friction": dc.Coulomb(coefficient, STIFFNESS, duration=DURATION)}
+    faces, _ = block(law, 0.5)
+    contacts = faces.evaluate(50.0, **law)
+    assert "slip" in contacts.friction_states
+    slides = np.array(contacts.friction_states) == "slip"
+    ratio = np.linalg.norm(contacts.friction[slides], axis=1) / contacts.pressure[slides]
+    np.testing.assert_allclose(ratio, 0.3, rtol=1e-12)
+
+
 def test_what_is_no_law_is_refused():
     for make, code in (
         (lambda: dc.TabulatedPressure([0.0], [1.0]), "invalid-table"),

@@ -77,6 +77,20 @@ def test_numbers_of_any_size(scene):
     refuses("wrong-type", interface.update, [[HUGE] * 3] * 85)
 
 
+def test_ragged_rows_and_tuples_of_another_length(scene):
+    interface = scene.evaluated()
+    ragged = [[[0, 0, 0], [1, 1]]]
+    refuses("wrong-shape", interface.forces, 1.0, friction=(0.3,))
+    refuses("wrong-shape", interface.forces, 1.0, friction=(0.3, 1e4, 5.0, 99.0))
+    refuses("wrong-shape", interface.csr_map, (np.arange(3), np.arange(3), np.arange(3)))
+    refuses("wrong-shape", interface.window, ragged, 0.1)
+    refuses("wrong-shape", dc.flat_facets, [[[1, 2], [3]]])
+    nothing = np.empty((0, 3)), np.empty((0, 4), dtype=int)
+    numbers = {"node_numbers": [], "facet_numbers": [], "known": [[0] * 3] * 2, "extents": dc.Extents.of(*nothing)}
+    refuses("wrong-shape", dc.SurfacePart, *nothing, owned=[[True], [True, False]], **numbers)
+    refuses("wrong-type", dc.SurfacePart, *nothing, owned=[0, 1], **numbers)
+
+
 def test_batches_that_there_cannot_be():
     refuses("invalid-option", dc.GapBatch.empty, -1, 9)
     refuses("invalid-option", dc.GapBatch.empty, 5, -1)

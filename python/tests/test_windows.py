@@ -450,3 +450,9 @@ def test_faces_in_windows_refuse_what_takes_the_whole():
         interface.refresh(positions)
         interface.evaluate(1e2)
     np.testing.assert_array_equal(numbered.forces()[dofs], faces.forces().reshape(-1, 3))
+
+
+def test_extents_are_values():
+    one = dc.Extents.of([[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 1, 2]])
+    assert one.joined(one) == one and hash(one.joined(one)) == hash(one)
+    assert one == dc.Extents((0.0, 0.0, 0.0), (1.0, 1.0, 0.0), 1.0)

@@ -83,6 +83,7 @@ pub mod pairing;
 pub mod product;
 mod scratch;
 pub mod surface;
+pub mod threads;
 mod vector;
 mod weight;
 

@@ -7,7 +7,7 @@ use diffuse_contact::interface::{
     ContactElement, ContactInterface, InterfaceError, InterfaceOptions, Outcome, PairedElement,
 };
 use diffuse_contact::neighbourhood::{Fallback, SearchOptions};
-use diffuse_contact::surface::{Facet, MasterSurface, SymmetryPlane};
+use diffuse_contact::surface::{Facet, MasterSurface, SurfaceError, SymmetryPlane};
 use diffuse_contact::{Backend, Generated, Mode, Point, Weight, ad::Ad};
 
 /// A grid of cells over [0, columns] × [0, rows], mapped.
@@ -161,6 +161,48 @@ fn what_is_listed_makes_no_difference_to_a_bit() {
     // Moved by more than half the skin, they are made anew.
     positions.iter_mut().skip(mesh.0.len()).for_each(|x| x[0] += 0.3);
     assert!(kept.refresh_pairing(&positions).unwrap().rebuilt);
+}
+
+/// On a master pressed together in its plane a slave's place moves by more than the slave.
+#[test]
+fn lists_of_a_master_pressed_together_are_complete() {
+    let mesh = wavy(10, 0.2);
+    let slaves: Vec<Point> = (0..60)
+        .map(|k| (5.0 + 4.0 * noise(2 * k), 5.0 + 4.0 * noise(2 * k + 1)))
+        .map(|(x, y)| [x, y, wave(x, y)])
+        .collect();
+    let [mut followed, mut anew] = [(); 2].map(|()| interface(&mesh, &slaves, options(Weight::Cubic), &[]));
+    // The gap of each slave, and the nodes that have a part in it.
+    let of_all = |interface: &mut ContactInterface| -> Vec<(f64, Vec<u32>)> {
+        let contacts = interface.evaluate(Mode::Gradient).unwrap();
+        contacts
+            .iter()
+            .map(|contact| {
+                let parts = contact.nodes.iter().zip(contact.gradient[3..].chunks(3));
+                let nodes = parts.filter(|(_, part)| **part != [0.0; 3]).map(|(&node, _)| node).collect();
+                (contact.point.gap, nodes)
+            })
+            .collect()
+    };
+    let (mut kept, mut made) = (0, 0);
+    for step in 0..40 {
+        let pressed = |(k, &[x, y, z]): (usize, &Point)| {
+            let way = if k < mesh.0.len() { 0.0 } else { 0.01 * f64::from(step) };
+            [0.2 * (x + way), y, z]
+        };
+        let positions: Vec<Point> = mesh.0.iter().chain(&slaves).enumerate().map(pressed).collect();
+        if followed.follow(&positions).unwrap() {
+            made += 1
+        } else {
+            kept += 1
+        }
+        anew.renew_pairing(&positions).unwrap();
+        for ((gap, nodes), (exact, all)) in of_all(&mut followed).into_iter().zip(of_all(&mut anew)) {
+            assert_eq!(nodes, all, "step {step}: {gap} {exact}");
+            assert!((gap - exact).abs() < 1e-15);
+        }
+    }
+    assert!(kept > 20 && made > 1, "{kept} {made}");
 }
 
 #[test]
@@ -321,6 +363,21 @@ fn elements_taken_out_are_those_of_the_interface_and_of_ad() {
             }
         }
     }
+}
+
+#[test]
+fn planes_through_the_surface_are_refused() {
+    let mesh = wavy(5, 0.0);
+    let mut positions = mesh.0.clone();
+    positions.push([2.0, 2.0, 1.0]);
+    let master = MasterSurface::new(&positions, mesh.1).unwrap();
+    let options = InterfaceOptions::default();
+    let mut interface = ContactInterface::new(master, vec![36], &[], &positions, options).unwrap();
+    let at = |x| [SymmetryPlane::across(1, [0.0; 3]), SymmetryPlane::across(0, [x, 0.0, 0.0])];
+    let error = interface.set_symmetry(&at(2.0)).unwrap_err();
+    let expected = SurfaceError::CutBySymmetry { plane: 1, low: -2.0, high: 3.0 };
+    assert_eq!(error, InterfaceError::Surface(expected));
+    interface.set_symmetry(&at(0.001)).unwrap();
 }
 
 #[test]

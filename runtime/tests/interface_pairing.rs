@@ -53,6 +53,30 @@ fn a_report_counts_every_slave() {
     assert!(matches!(outcome, Outcome::None(NoContact::TooFar { limit: 2.0, distance }) if distance > 6.0));
 }
 
+/// Where no slave has a list, or others have larger domains around them, a slave that comes near is paired as soon as it is.
+#[test]
+fn a_slave_without_a_list_gets_one_as_soon_as_it_is_near() {
+    let mesh = Mesh::plane(10.0, 10.0, 1.0);
+    let limited = InterfaceOptions::default().with_distance_limit(Some(1.0));
+    for (options, away) in [(limited, [5.0, 5.0, 5.0]), (InterfaceOptions::default(), [13.0, 5.0, -0.1])] {
+        let mut scene = mesh.paired(&[away], options);
+        assert_eq!(scene.interface.refresh_pairing(&scene.positions).unwrap().paired, 0);
+        scene.move_slaves(&[[5.0, 5.0, -0.1]]);
+        assert_eq!(scene.interface.refresh_pairing(&scene.positions).unwrap().paired, 1, "{away:?}");
+        scene.move_slaves(&[away]);
+        assert!(scene.interface.follow(&scene.positions).unwrap());
+        scene.move_slaves(&[[5.0, 5.0, -0.1]]);
+        assert!(scene.interface.follow(&scene.positions).unwrap());
+        assert!((gaps(&mut scene)[0].unwrap() + 0.1).abs() < 1e-12);
+    }
+    let mut scene = mesh.paired(&[[3.0, 3.0, 0.1], [5.0, 5.0, 1.005]], limited);
+    scene.move_slaves(&[[3.0, 3.0, 0.1], [5.0, 5.0, 1.001]]);
+    assert!(!scene.interface.follow(&scene.positions).unwrap());
+    scene.move_slaves(&[[3.0, 3.0, 0.1], [5.0, 5.0, 0.999]]);
+    assert!(scene.interface.follow(&scene.positions).unwrap());
+    assert!((gaps(&mut scene)[1].unwrap() - 0.999).abs() < 1e-12);
+}
+
 /// Nobody is told where the master's outside is: a refresh counts those that lie deep inside.
 #[test]
 fn slaves_of_a_master_inside_out_are_deep() {

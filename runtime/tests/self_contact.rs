@@ -266,24 +266,6 @@ fn lists_that_follow_are_those_of_the_place() {
     }
 }
 
-/// An interface made in a deformed configuration, with the first positions given later, is that of the first configuration.
-#[test]
-fn first_positions_say_what_is_near_and_how_thick_the_body_is() {
-    let mesh = hairpin(8.0, 1.0, 22);
-    let mut closed = mesh.positions.clone();
-    closed.iter_mut().for_each(|x| x[2] *= 0.1);
-    let options = InterfaceOptions::default();
-    let gaps_at = |first: &[Point], given: bool| {
-        let mut interface = ContactInterface::self_contact(mesh.surface(), first, options).unwrap();
-        if given {
-            interface.set_first_positions(&mesh.positions).unwrap();
-        }
-        interface.renew_pairing(&closed).unwrap();
-        gaps(&mut interface)
-    };
-    assert_eq!(gaps_at(&closed, true), gaps_at(&mesh.positions, false));
-}
-
 /// Half of a tube goes on behind its plane of symmetry: no border there, and contact up to it.
 #[test]
 fn contact_goes_on_to_planes_of_symmetry() {

@@ -113,6 +113,28 @@ fn a_uniform_pressure_passes_through_plates_on_one_another() {
     }
 }
 
+/// Two blocks whose faces lie on one another in the beginning; then the upper one rises and slides.
+#[test]
+fn bodies_in_touch_from_the_start_have_surfaces_of_their_own() {
+    for options in elements() {
+        let lower = Mesh::block([4, 4, 2], [2.0, 2.0, 0.5]);
+        let mut upper = lower.clone();
+        upper.positions.iter_mut().for_each(|x| x[2] += 1.0);
+        let mesh = both(&lower, &upper);
+        let mut interface = own(&mesh, options);
+        let mut lifted = mesh.positions.clone();
+        lifted[lower.positions.len()..].iter_mut().for_each(|x| *x = [x[0] + 0.3, x[1], x[2] + 0.1]);
+        let mut seen = 0;
+        for ((gap, _), [x, y, z]) in gaps(&mut interface, &lifted).iter().zip(&lifted) {
+            if x.abs().max(y.abs()) < 1.5 && [0.5, 0.6].iter().any(|face| (z - face).abs() < 1e-9) {
+                assert!((gap.unwrap() - 0.1).abs() < 1e-9, "{x} {y} {z} {gap:?}");
+                seen += 1;
+            }
+        }
+        assert!(seen >= 15, "{seen}");
+    }
+}
+
 /// A tube squeezed to less than nothing, its nodes moved at random.
 fn squeezed() -> (Mesh, Vec<Point>) {
     let mut random = Uniform(7);

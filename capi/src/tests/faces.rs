@@ -9,12 +9,14 @@ use runtime::friction::Coulomb;
 use runtime::interface::{ContactInterface, InterfaceOptions};
 use runtime::surface::{Facet, MasterSurface};
 
+use super::faces_points::assert_points;
 use super::{message, options};
 use crate::assembly::dc_add_forces;
 use crate::choice::Named;
 use crate::faces::*;
 use crate::faces_assembly::*;
 use crate::faces_friction::*;
+use crate::faces_points::dc_faces_points;
 use crate::interface::{dc_create_self_contact, dc_destroy, dc_evaluate, dc_refresh};
 use crate::law::dc_law;
 use crate::options::dc_options;
@@ -148,7 +150,9 @@ fn faces_give_what_the_runtime_gives() {
     let multipliers: Vec<f64> = (0..25).map(|k| 0.1 * f64::from(k)).collect();
     let (slaves, dofs) = (expected.slaves().to_vec(), DofMap::standard(pair.nodes()));
     let own_law = ContactLaw::penalty(300.0).with_multipliers(Some(&multipliers));
-    let expected = expected.evaluate(&own_law, Mode::Hessian).unwrap();
+    expected.evaluate(&own_law, Mode::Hessian).unwrap();
+    let own_points = expected.integration_points().unwrap();
+    let expected = expected.contacts();
     // SAFETY: the arrays have the lengths given.
     unsafe {
         assert_eq!(dc_faces_add_quadratic(handle, pair.master.as_ptr(), 16, 9), DC_OK);
@@ -182,6 +186,7 @@ fn faces_give_what_the_runtime_gives() {
             assert_eq!((pressures[k], &normals[3 * k..3 * k + 3]), (node.pressure, &node.normal[..]));
         }
         assert!(pressures.iter().filter(|&&pressure| pressure > 0.0).count() > 10);
+        assert_points(handle, &own_points);
 
         let size = 3 * pair.nodes();
         let (mut residual, mut sum) = (vec![0.0; size], vec![0.0; size]);
@@ -272,6 +277,8 @@ fn faces_refuse_what_is_none() {
         // Positions of the moment have no results yet.
         assert_eq!(dc_faces_update(handle, pair.positions.as_ptr(), pair.nodes(), null_mut()), DC_OK);
         none(dc_faces_contacts(handle, null_mut(), null_mut(), null_mut(), null_mut(), null_mut(), 25));
+        let [no, nothing] = [(); 2].map(|()| null_mut());
+        none(dc_faces_points(handle, null_mut(), no, no, no, no, nothing, nothing, 0, &mut count));
 
         let faces = pair.master.as_ptr();
         assert_eq!(dc_faces_add_quadratic(handle, faces, 16, 7), DC_BAD_SIZE);

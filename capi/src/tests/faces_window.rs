@@ -11,7 +11,7 @@ use crate::interface::{dc_create, dc_destroy, dc_interface};
 use crate::law::dc_law;
 use crate::options::dc_options;
 use crate::outcome::dc_outcome;
-use crate::status::{DC_BAD_HANDLE, DC_BAD_OPTION, DC_BAD_SIZE, DC_BUSY, DC_OK, DC_OUT_OF_RANGE, dc_status};
+use crate::status::{DC_BAD_HANDLE, DC_BAD_OPTION, DC_BAD_SIZE, DC_OK, DC_OUT_OF_RANGE, dc_status};
 use crate::window::{dc_window, dc_window_counts, dc_window_create, dc_window_destroy, dc_window_names};
 
 const LIMIT: f64 = 0.4;
@@ -240,7 +240,8 @@ fn faces_in_windows_refuse_what_takes_the_whole() {
     };
     refused(make(both, &positions, &options()), DC_BAD_OPTION, "other-than-window: ");
     refused(make(both, &positions[3..], &limited()), DC_BAD_SIZE, "wrong-number-of-positions: ");
-    refused(make([both[0]; 2], &positions, &limited()), DC_BUSY, "busy: ");
+    // No other thread is in a call with it.
+    refused(make([both[0]; 2], &positions, &limited()), DC_BAD_SIZE, "wrong-number-of-positions: ");
     refused(make([both[0], null_mut()], &positions, &limited()), DC_BAD_HANDLE, "bad-handle: ");
     let (_, part) = make(both, &positions, &limited());
     // SAFETY: the arrays have the lengths given.

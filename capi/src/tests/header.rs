@@ -3,7 +3,7 @@
 use std::path::Path;
 
 /// In the order in which the header has them.
-const SOURCES: [&str; 24] = [
+const SOURCES: [&str; 25] = [
     "status",
     "outcome",
     "choice",
@@ -23,6 +23,7 @@ const SOURCES: [&str; 24] = [
     "part",
     "faces",
     "faces_friction",
+    "faces_points",
     "faces_assembly",
     "faces_window",
     "neighbours",

@@ -460,6 +460,8 @@ fn names_and_versions_are_texts() {
 #[test]
 fn every_reason_of_the_runtime_has_an_outcome() {
     use runtime::ElementError as E;
+    use runtime::interface::{NoContact, Outcome};
+    use runtime::neighbourhood::NeighbourhoodError;
     let errors = [
         E::SingularFit { pivot_ratio: 0.0, tolerance: 0.0 },
         E::FootDiverged { residual: 0.0, iterations: 0 },
@@ -477,6 +479,18 @@ fn every_reason_of_the_runtime_has_an_outcome() {
         assert_ne!(outcome, dc_outcome::DC_REFUSED, "{error}");
         assert_eq!(text(dc_outcome_code(outcome as i32)), error.code());
         assert_eq!(Failure::from(error).status, DC_NO_CONTACT);
+    }
+    let reasons = [
+        NoContact::NotPaired,
+        NoContact::TooFar { distance: 0.0, limit: 0.0 },
+        NoContact::BeyondWindow { needed: 0.0, known: 0.0 },
+        NoContact::NothingOver { limit: 0.0 },
+        NoContact::NoCandidate { reason: NeighbourhoodError::NoCandidate { found: 0, needed: 3 } },
+        NoContact::BeyondBorder { distance: 0.0, tolerance: 0.0 },
+    ];
+    for reason in reasons {
+        let outcome = crate::outcome::of(&Outcome::None(reason));
+        assert_eq!(text(dc_outcome_code(outcome as i32)), reason.code());
     }
 }
 

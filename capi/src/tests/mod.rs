@@ -5,6 +5,7 @@ mod cutback;
 mod defaults;
 mod domains;
 mod faces;
+mod faces_points;
 mod faces_window;
 mod feet;
 mod fortran_module;

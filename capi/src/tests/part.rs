@@ -234,6 +234,10 @@ fn windows_cut_from_parts_are_those_of_the_whole() {
 
         let mut none = null_mut();
         assert_eq!(dc_window_joined(null(), 0, &mut none), DC_BAD_OPTION);
+        let mut both = [joined, expected];
+        let first = both.as_mut_ptr();
+        assert_eq!(dc_window_joined(first, 2, first), DC_BAD_POINTER);
+        assert_eq!(both, [joined, expected], "handles that would be overwritten are kept");
         let gone = [joined, expected];
         assert_eq!(dc_window_destroy(expected), DC_OK);
         assert_eq!(dc_window_joined(gone.as_ptr(), 2, &mut none), DC_BAD_HANDLE);

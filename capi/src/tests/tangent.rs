@@ -9,6 +9,7 @@ use crate::law::dc_law;
 use crate::map::{dc_map, dc_map_add, dc_map_create, dc_map_create_64, dc_map_destroy};
 use crate::operator::{
     dc_operator, dc_operator_create, dc_operator_destroy, dc_operator_diagonal, dc_operator_product,
+    dc_operator_transposed_product,
 };
 use crate::pattern::{dc_pattern_create, dc_pattern_destroy, dc_pattern_fill, dc_pattern_structure};
 use crate::status::{
@@ -168,6 +169,12 @@ fn the_operator_is_the_matrix() {
         let mut product = vec![1.0; EQUATIONS];
         assert_eq!(dc_operator_product(tangent, v.as_ptr(), product.as_mut_ptr(), EQUATIONS), DC_OK);
         assert!(close(&product, &expected));
+        // Without friction K is symmetric.
+        let mut transposed = vec![1.0; EQUATIONS];
+        let into = transposed.as_mut_ptr();
+        assert_eq!(dc_operator_transposed_product(tangent, v.as_ptr(), into, EQUATIONS), DC_OK);
+        assert!(close(&transposed, &expected));
+        assert_eq!(dc_operator_transposed_product(tangent, into, into, EQUATIONS), DC_BAD_POINTER);
         let mut own = vec![0.0; EQUATIONS];
         assert_eq!(dc_operator_diagonal(tangent, own.as_mut_ptr(), EQUATIONS), DC_OK);
         assert!(close(&own, &diagonal));

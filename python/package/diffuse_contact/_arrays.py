@@ -138,7 +138,7 @@ def facets(what: str, values: Facets) -> Ints:
 def quadratic(what: str, values: Any) -> list[Ints]:
     """Faces of second order: one array of shape (f, 6), (f, 8) or (f, 9), or several."""
     try:
-        is_one = isinstance(values, np.ndarray) or (len(values) > 0 and np.ndim(values[0]) == 1)
+        is_one = isinstance(values, np.ndarray) or (len(values) > 0 and dimensions(what, values[0]) == 1)
         arrays = [values] if is_one else list(values)
     except TypeError as error:
         raise InputError(f"{what}: faces are arrays of nodes ({error})", "wrong-shape") from None

@@ -333,6 +333,18 @@ class FaceInterface(FrictionHistory):
         return FaceContacts(gap, area, pressure, normal.reshape(-1, 3), outcomes, friction.reshape(-1, 3), states, slip)
 
     @property
+    def missed(self) -> int:
+        """Points of loaded faces that carry no force in the last evaluation, as their line of force meets no facet.
+
+        0 in value mode.
+
+        Raises:
+            InterfaceError: ``"not-evaluated"`` if positions have changed since.
+
+        """
+        return self._faces.missed()
+
+    @property
     def points(self) -> FacePoints:
         """Contact at the integration points, by the pressures of the last evaluation; found anew each time.
 

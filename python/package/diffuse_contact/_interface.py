@@ -170,9 +170,8 @@ def adaptive_tangent(residual: float, force: float) -> Tangent:
 class ContactInterface(FrictionHistory):
     """Slave nodes paired with a master surface.
 
-    In a Newton iteration: ``refresh_pairing`` once an increment or once an iteration, then at each iteration
-    ``update`` (``follow`` where slaves leave their domains meanwhile), ``evaluate``, ``forces`` and ``tangent``, the
-    last with ``adaptive_tangent``. Every slave has an outcome; an exception is for what the caller has to mend, and
+    In a Newton iteration: ``refresh_pairing`` once an increment, then at each iteration ``follow``, ``evaluate``,
+    ``forces`` and ``tangent``, the last with ``adaptive_tangent``. Every slave has an outcome; an exception is for what the caller has to mend, and
     leaves the interface as it was. (An evaluation that finds no memory leaves it without results.) Arrays given as
     ``out`` are as they were, but if a sum overflows: they then hold anything.
 
@@ -605,7 +604,10 @@ class ContactInterface(FrictionHistory):
             InputError: for arrays of another type.
 
         """
-        offsets, columns = matrix if isinstance(matrix, tuple) else _indices(matrix)
+        rows = matrix if isinstance(matrix, tuple) else _indices(matrix)
+        if len(rows) != 2:
+            raise InputError(f"row offsets and columns are needed, not {len(rows)} arrays", "wrong-shape")
+        offsets, columns = rows
         return CsrMap(self._interface, self._interface.csr_map(_rows(offsets, columns)))
 
     def operator(

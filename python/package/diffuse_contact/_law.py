@@ -159,6 +159,8 @@ def _friction(friction: Any, penalty: float) -> _Friction:
         stiffness = penalty if friction.stiffness is None else friction.stiffness
         return _Friction(coefficient, stiffness, friction.shear_limit, friction.duration, friction.augmented)
     numbers = friction if isinstance(friction, tuple) else (friction, penalty)
+    if len(numbers) not in (2, 3):
+        raise InputError(f"friction: a tuple has 2 or 3 numbers, not {len(numbers)}", "wrong-shape")
     coefficient, stiffness, *limit = numbers
     shear_limit = number("shear_limit", limit[0]) if limit else None
     return _Friction(number("friction", coefficient), number("stiffness", stiffness), shear_limit, None, False)

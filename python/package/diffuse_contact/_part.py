@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from . import _native
-from ._arrays import Facets, Floats, Ints, Planes, facets, floats, ints, number, planes
+from ._arrays import Facets, Floats, Ints, Planes, bools, facets, floats, ints, number, planes
 from ._errors import InputError
 from ._interface import Options, _named_options
 from ._window import Window, _boxes
@@ -34,7 +34,9 @@ class Extents:
     @staticmethod
     def of(positions: ArrayLike, corners: Facets) -> Extents:
         """Of facets, as for ``MasterSurface``. Those of none change no others that they are joined with."""
-        return Extents(*_native.extents(floats("positions", positions, "p", 3), facets("facets", corners)))
+        arrays = floats("positions", positions, "p", 3), facets("facets", corners)
+        (a, b, c), (d, e, f), facet = _native.extents(*arrays)
+        return Extents((a, b, c), (d, e, f), facet)
 
     def joined(self, other: Extents) -> Extents:
         """Those of two parts together."""
@@ -115,9 +117,6 @@ class SurfacePart:
         **options: Any,
     ) -> None:
         self._options = _named_options(SurfacePart, options)
-        owned = np.asarray(owned)
-        if owned.dtype != np.bool_ or owned.ndim != 1:
-            raise InputError(f"owned: a row of bools is needed, not {owned.dtype} of shape {owned.shape}", "wrong-type")
         if not isinstance(extents, Extents):
             raise InputError(f"extents have to be Extents, not {type(extents).__name__}", "wrong-type")
         self._part = _native.Part(
@@ -125,7 +124,7 @@ class SurfacePart:
             ints("node_numbers", node_numbers, "p"),
             facets("facets", corners),
             ints("facet_numbers", facet_numbers, "m"),
-            np.ascontiguousarray(owned),
+            bools("owned", owned),
             floats("known", known, 2, 3).tolist(),
             extents._row(),
             self._options,

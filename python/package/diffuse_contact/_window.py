@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from . import _native
-from ._arrays import Floats, Ints, count, floats, ints, number
+from ._arrays import Floats, Ints, count, dimensions, floats, ints, number
 from ._errors import InputError
 
 
@@ -99,7 +99,7 @@ def _checked(window: Any) -> _native.Window:
 
 
 def _boxes(boxes: ArrayLike) -> Floats:
-    if np.size(boxes) == 0:
+    if dimensions("boxes", boxes) > 0 and np.size(boxes) == 0:
         return np.empty((0, 3))
     return floats("boxes", boxes, "b", 2, 3).reshape(-1, 3)
 

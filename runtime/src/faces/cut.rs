@@ -12,8 +12,6 @@ use crate::{Mode, Point};
 
 /// Cosine of the angle between the normals of a face and of a facet that lie over one another, at most.
 const OPPOSITE: f64 = -0.1;
-/// More than a face's area by this part of it: layers of the master lie over one another.
-const OVERLAP: f64 = 1e-6;
 /// A quadrilateral becomes a triangle as its smallest corner goes from this part of its area to nothing.
 const SLENDER: f64 = 0.1;
 /// Of two corners the later one is smaller only below this part of the other: rounding does not decide between equal ones.
@@ -76,8 +74,8 @@ struct Layer {
     facet: u32,
     /// As it is seen.
     over: Polygon,
-    /// How deep the face's points may lie below it.
-    deepest: f64,
+    /// How deep the face's points may lie below it; `None` if it looks the way the face does.
+    deepest: Option<f64>,
 }
 
 /// A face seen along its normal.
@@ -118,6 +116,8 @@ pub struct Cutting<'a> {
     pub limit: f64,
     /// How deep the face's points may lie below a facet, length; `None` if they do not touch it at all.
     pub depth: &'a dyn Fn(u32) -> Option<f64>,
+    /// Whether the face may not look through a facet that it sees from behind: it is no part of the surface.
+    pub sees_backs: bool,
 }
 
 /// The points of a face, appended to `points`. `first`: the face in the first configuration; `functions`: what its nodes have of a force
@@ -127,7 +127,7 @@ pub fn cut(
     first: &Shape,
     functions: impl Fn([f64; 2]) -> Option<[f64; MOST_NODES]>,
     index: &SurfaceIndex<'_>,
-    Cutting { rule, limit, depth }: Cutting<'_>,
+    Cutting { rule, limit, depth, sees_backs }: Cutting<'_>,
     scratch: &mut CutScratch,
     points: &mut Vec<FacePoint>,
 ) -> usize {
@@ -140,21 +140,30 @@ pub fn cut(
     layers.clear();
     index.facets_near(lower.map(|x| x - limit), upper.map(|x| x + limit), near);
     let start = points.len();
-    let (mut found, mut places, mut unplaced) = (0.0, Vec::new(), 0);
+    let (mut seen, mut unplaced) = (Vec::new(), 0);
     for &facet in near.iter() {
-        if index.normals()[facet as usize].dot(&view.normal) > OPPOSITE {
+        let cosine = index.normals()[facet as usize].dot(&view.normal);
+        let deepest = match cosine {
+            cosine if cosine <= OPPOSITE => depth(facet),
+            cosine if cosine < -OPPOSITE || !sees_backs => continue,
+            _ => None,
+        };
+        if deepest.is_none() && cosine <= OPPOSITE {
             continue;
         }
-        let Some(deepest) = depth(facet) else { continue };
         let shape = index.shape(facet);
         piece.clone_from(&corners);
-        // From outside its own surface a facet runs the other way round.
-        let over: Polygon = shape.corners().iter().rev().map(|&x| view.seen(x)).collect();
+        let mut over: Polygon = shape.corners().iter().map(|&x| view.seen(x)).collect();
+        if cosine <= OPPOSITE {
+            // From outside its own surface it runs the other way round.
+            over.reverse();
+        }
         clip(piece, &over, clipped);
         if !(area(piece) > SMALLEST * own) {
             continue;
         }
-        found += area(piece);
+        layers.push(Layer { facet, over, deepest });
+        let Some(deepest) = deepest else { continue };
         for (place, weight) in rule_on(piece, rule(facet)) {
             let x = view.point(place);
             let Some(height) = height_over(&shape, x, view.normal) else { continue };
@@ -166,36 +175,38 @@ pub fn cut(
                     continue;
                 };
                 points.push(FacePoint { facet, natural, weight, functions });
-                places.push((place, height.abs()));
+                seen.push((place, height));
             }
         }
-        layers.push(Layer { facet, over, deepest });
     }
-    if found > own * (1.0 + OVERLAP) {
+    if layers.len() > 1 {
+        let mut seen = seen.into_iter();
         let all = points.split_off(start);
-        points.extend(
-            all.into_iter()
-                .zip(places)
-                .filter(|&(ref point, seen)| is_nearest(point.facet, seen, layers, index, &view))
-                .map(|(point, _)| point),
-        );
+        let is_first = |point: &FacePoint| {
+            seen.next().is_some_and(|at| is_nearest(point.facet, at, layers, index, &view))
+        };
+        points.extend(all.into_iter().filter(is_first));
     }
     unplaced
 }
 
 /// Whether no other facet lies between a point and its facet: where layers of the master lie over one another, the nearest carries.
+/// Behind a facet that looks the way the face does there is none that does.
 fn is_nearest(
     facet: u32,
-    (place, distance): ([f64; 2], f64),
+    (place, height): ([f64; 2], f64),
     layers: &[Layer],
     index: &SurfaceIndex<'_>,
     view: &View,
 ) -> bool {
     let is_before = |&Layer { facet: other, ref over, deepest }: &Layer| {
+        let before = |found: f64| match deepest {
+            Some(deepest) => found >= -deepest && (found.abs(), other) < (height.abs(), facet),
+            None => found * height > 0.0 && found.abs() < height.abs(),
+        };
         other != facet
             && contains(over, place)
-            && height_over(&index.shape(other), view.point(place), view.normal)
-                .is_some_and(|height| height >= -deepest && (height.abs(), other) < (distance, facet))
+            && height_over(&index.shape(other), view.point(place), view.normal).is_some_and(before)
     };
     !layers.iter().any(is_before)
 }
@@ -447,7 +458,7 @@ mod tests {
             let mut points = Vec::new();
             let anywhere = |_| Some(f64::INFINITY);
             let everywhere = |_| rule;
-            let within = |limit| Cutting { rule: &everywhere, limit, depth: &anywhere };
+            let within = |limit| Cutting { rule: &everywhere, limit, depth: &anywhere, sees_backs: true };
             cut(&face, &face, nothing, &index, within(0.5), &mut CutScratch::default(), &mut points);
             let sum: f64 = points.iter().map(|point| point.weight).sum();
             assert!((sum - face.area_vector().norm()).abs() < 1e-5, "{sum}");

@@ -240,6 +240,9 @@ impl FaceInterface {
             return Err(AssemblyError::NoAugmentation.into());
         };
         law.validate(self.nodes.len())?;
+        if self.cut_at.is_none() {
+            return Err(InterfaceError::NotRefreshed);
+        }
         let Averages { nodes, normals, .. } = self.averages(law)?;
         let mut errors = vec![0.0; nodes.len()];
         let (Some(committed), Some(present)) = (&self.tracks, self.present_history()) else {

@@ -21,7 +21,8 @@
 //! * **Second order.** Faces of 6, 8 or 9 nodes come as flat facets between all of their nodes, for gaps, pieces and pressures. With
 //!   [`set_quadratic_faces`](FaceInterface::set_quadratic_faces) N_a and N_k are theirs as a whole, in windows with
 //!   [`set_quadratic_faces_by_number`](FaceInterface::set_quadratic_faces_by_number).
-//! * **Layers.** Where facets that look at a face lie over one another, the nearest carries.
+//! * **Layers.** Where facets that look at a face lie over one another, the nearest carries. What lies behind a facet that looks the
+//!   way the face does, as the far side of a plate, carries nothing.
 //! * **Self contact.** [`self_contact`](FaceInterface::self_contact) has one surface, whose faces are slaves and facets at once.
 //!
 //! ```
@@ -102,8 +103,8 @@ const HELD: f64 = 1e-5;
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct FaceOptions {
-    /// The master's element, and how points are paired with it. A distance limit of `None` is a facet's and a face's extent together.
-    /// Areas are always those of the faces.
+    /// The master's element, and how points are paired with it. A distance limit of `None` is the extents of the face
+    /// and of the largest facet together; in self contact it is two mean extents of a facet. Areas are always those of the faces.
     pub interface: InterfaceOptions,
     /// Points of each piece of a face. Between a face and a facet of which one belongs to a quadrilateral of second order it is
     /// [`FaceRule::Fourth`] always.
@@ -300,9 +301,10 @@ impl FaceInterface {
     fn take(&mut self, positions: &[Point], forgets: bool) -> Result<FaceReport, InterfaceError> {
         self.check_positions(positions)?;
         let index = self.master().at(positions)?;
-        let limit = |face: &Facet| {
-            let extent = shape_of(face, positions).extent() + index.extent();
-            self.options.interface.distance_limit.unwrap_or(extent)
+        let limit = |face: &Facet| match (&self.own, self.options.interface.distance_limit) {
+            (Some(own), _) => own.limit(),
+            (None, Some(limit)) => limit,
+            (None, None) => shape_of(face, positions).extent() + index.extent(),
         };
         let limits: Vec<f64> = self.faces.iter().map(limit).collect();
         let beyond = self.window.as_ref().map(|window| window.look(&self.faces, positions, &limits));
@@ -366,7 +368,7 @@ impl FaceInterface {
             None => Some(f64::INFINITY),
         };
         let rule = |facet| self.carriers.rule((k, facet), self.options.rule);
-        let cutting = Cutting { rule: &rule, limit, depth: &depth };
+        let cutting = Cutting { rule: &rule, limit, depth: &depth, sees_backs: self.own.is_none() };
         let mut points = Vec::new();
         let unplaced = cut(&face, &first, functions, index, cutting, scratch, &mut points);
         let carrying = |point: &FacePoint| &self.carriers.facets[point.facet as usize];

@@ -7,7 +7,7 @@
 
 use crate::affine::Carrier;
 use crate::interface::{
-    ContactElement, ContactInterface, InterfaceError, InterfaceOptions, NoContact, Outcome, PointsWithinReach,
+    ContactElement, ContactInterface, InterfaceError, InterfaceOptions, PointsWithinReach,
 };
 use crate::neighbourhood::SearchOptions;
 use crate::surface::window::{Window, WindowError};
@@ -17,8 +17,6 @@ use crate::{Basis, Mode, Point, Weight};
 
 /// Points of interpolation of a quadrilateral, of a triangle six.
 const MOST_POINTS: usize = 9;
-/// How far towards the centre of its face a point moves to be that face's and not its neighbour's, in parts of the way.
-const INWARD: f64 = 1e-6;
 
 /// All faces.
 #[derive(Clone, Debug, Default)]
@@ -122,59 +120,61 @@ impl Skin {
             ContactElement::NodeToFacet => {
                 let extents = faces.iter().map(|face| shape_of(face, first).extent());
                 let symmetry = Symmetry::of_planes(planes, extents.fold(0.0, f64::max));
-                Ok(Self { symmetry, straight: 0, ..Self::of(faces, |_, _| None) })
+                Ok(Self { symmetry, straight: 0, ..Self::of(faces, |_| None) })
             }
             ContactElement::Diffuse { weight, .. } => {
-                let (points, options) = (inside(faces, first), own_options(options, weight));
-                let mut positions = first.to_vec();
-                positions.extend(points);
                 let surface = MasterSurface::new(first, faces.to_vec())?;
-                let points = (first.len()..positions.len()).collect();
-                let mut own = ContactInterface::new(surface, points, &[], &positions, options)?;
+                let options = own_options(options, weight);
+                let mut own = ContactInterface::new(surface, Vec::new(), &[], first, options)?;
                 own.set_symmetry(planes)?;
-                evaluate(&mut own, &positions)?;
-                let skin = Self::of(faces, |k, middle| fit(&own, weight, k, mean(first, middle)));
-                Ok(Self { symmetry: own.images(), ..skin })
+                let numbered: Vec<(u32, Facet)> = (0..).zip(faces.iter().copied()).collect();
+                Self::through(&mut own, &numbered, first, weight)
             }
         }
     }
 
-    /// The faces of a window's core, with its nodes from `offset` on. Also, for each face, what the window does not know of it.
+    /// The faces of a window's core, with its nodes from `offset` on.
     pub fn in_window(
         window: &Window,
         offset: usize,
         options: &InterfaceOptions,
-    ) -> Result<(Self, Vec<Option<NoContact>>), InterfaceError> {
+    ) -> Result<Self, InterfaceError> {
         let ContactElement::Diffuse { weight, .. } = options.element else {
             return Err(WindowError::NeedsDomains.into());
         };
-        let faces: Vec<Facet> = window.core_facets().collect();
         let first: Vec<Point> = window.first_positions().collect();
-        let mut positions = first.clone();
-        positions.extend(inside(&faces, &first));
-        let points = (first.len()..positions.len()).collect();
+        let faces: Vec<(u32, Facet)> = window.core_facets().collect();
         let options = own_options(options, weight);
-        let mut own = ContactInterface::in_window(window, points, &[], &positions, options)?;
-        evaluate(&mut own, &positions)?;
-        let mut unknown = Vec::with_capacity(faces.len());
-        let mut k = 0;
-        for face in &faces {
-            let count = between(face).len();
-            unknown.push((k..k + count).find_map(|k| match own.contacts().get(k).outcome {
-                Outcome::None(reason @ NoContact::BeyondWindow { .. }) => Some(reason),
-                _ => None,
-            }));
-            k += count;
-        }
-        let mut skin = Self::of(&faces, |k, middle| fit(&own, weight, k, mean(&first, middle)));
+        let mut own = ContactInterface::in_window(window, Vec::new(), &[], &first, options)?;
+        let mut skin = Self::through(&mut own, &faces, &first, weight)?;
         let carriers = skin.faces.iter_mut().flat_map(|face| &mut face.carriers);
         carriers.for_each(|carrier| carrier.node += offset as u32);
-        skin.symmetry = own.images();
-        Ok((skin, unknown))
+        Ok(skin)
     }
 
-    /// Faces with what fits their points between the corners: of the k-th point, between these nodes.
-    fn of(faces: &[Facet], fit: impl Fn(usize, &[usize]) -> Option<Vec<(Carrier, f64)>>) -> Self {
+    /// Faces of a surface, with their numbers, whose points between the corners lie on its fits.
+    fn through(
+        own: &mut ContactInterface,
+        faces: &[(u32, Facet)],
+        first: &[Point],
+        weight: Weight,
+    ) -> Result<Self, InterfaceError> {
+        let (mut positions, mut numbers, mut facets) = (first.to_vec(), Vec::new(), Vec::new());
+        for &(number, face) in faces {
+            let points = between(&face);
+            numbers.extend(points.iter().map(|_| number));
+            positions.extend(points.iter().map(|nodes| Point::from(mean(first, nodes))));
+            facets.push(face);
+        }
+        // Each over its own face: where surfaces touch, others are as near.
+        own.pair_points(positions, first.len(), &numbers)?;
+        own.evaluate(Mode::Value)?;
+        let skin = Self::of(&facets, |k| fit(own, weight, k));
+        Ok(Self { symmetry: own.images(), ..skin })
+    }
+
+    /// Faces with what fits the k-th of their points between the corners.
+    fn of(faces: &[Facet], fit: impl Fn(usize) -> Option<Vec<(Carrier, f64)>>) -> Self {
         let (mut skin, mut number) = (Self::default(), 0);
         for facet in faces {
             let mut face = SkinFace::default();
@@ -183,7 +183,7 @@ impl Skin {
             }
             for (k, middle) in between(facet).iter().enumerate() {
                 let point = facet.corners().len() + k;
-                if let Some(weights) = fit(number, middle) {
+                if let Some(weights) = fit(number) {
                     weights.into_iter().for_each(|(carrier, weight)| face.add(carrier, point, weight));
                 } else {
                     skin.straight += 1;
@@ -203,19 +203,6 @@ fn mean(positions: &[Point], nodes: &[usize]) -> Vector3 {
     sum * (1.0 / nodes.len() as f64)
 }
 
-/// Points between the corners of faces, a little towards the centre of their face.
-fn inside(faces: &[Facet], first: &[Point]) -> Vec<Point> {
-    let of_face = |face: &Facet| {
-        let centre = mean(first, face.corners());
-        let towards = move |middle: Vec<usize>| {
-            let x = mean(first, &middle);
-            Point::from(x + (centre - x) * INWARD)
-        };
-        between(face).into_iter().map(towards).collect::<Vec<_>>()
-    };
-    faces.iter().flat_map(of_face).collect()
-}
-
 /// Options of the smooth surface through the faces' nodes.
 fn own_options(options: &InterfaceOptions, weight: Weight) -> InterfaceOptions {
     let element = ContactElement::diffuse(SearchOptions::domains()).with_weight(weight);
@@ -223,18 +210,11 @@ fn own_options(options: &InterfaceOptions, weight: Weight) -> InterfaceOptions {
     InterfaceOptions { element, distance_limit: None, areas: false, border_tolerance: 0.5, ..*options }
 }
 
-fn evaluate(own: &mut ContactInterface, positions: &[Point]) -> Result<(), InterfaceError> {
-    own.refresh_pairing(positions)?;
-    own.evaluate(Mode::Value)?;
-    Ok(())
-}
-
-/// What the smooth surface's nodes have of its place next to a point, the k-th slave moved to `middle`; `None` without a fit.
-fn fit(own: &ContactInterface, weight: Weight, k: usize, middle: Vector3) -> Option<Vec<(Carrier, f64)>> {
+/// What the smooth surface's nodes have of its place next to the k-th point; `None` without a fit.
+fn fit(own: &ContactInterface, weight: Weight, k: usize) -> Option<Vec<(Carrier, f64)>> {
     let contact = own.contacts().get(k);
     let (points, basis) = own.fit(k).ok()?;
-    let back = middle - Vector3::from(own.position_of(k));
-    let foot = contact.outcome.is_contact().then(|| Vector3::from(contact.point.foot) + back)?;
+    let foot = contact.outcome.is_contact().then(|| Vector3::from(contact.point.foot))?;
     weights_at(&points, (weight, basis), foot)
 }
 

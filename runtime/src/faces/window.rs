@@ -20,8 +20,6 @@ pub(super) enum Side {
 pub(super) struct FaceWindow {
     master: Known,
     slave: Known,
-    /// Of each face, what is not known of its own smooth surface.
-    of_skin: Vec<Option<NoContact>>,
     /// Of each face, what is not known of its face of second order.
     of_carriers: Vec<Option<NoContact>>,
     /// Of each of the slave's nodes, whether faces at it may not be there.
@@ -45,9 +43,7 @@ impl FaceWindow {
             let known = if holds { around } else { f64::NEG_INFINITY };
             let needed = self.master.needed(limits[k]);
             let is_far = !(needed <= known);
-            self.of_skin[k]
-                .or(self.of_carriers[k])
-                .or_else(|| is_far.then_some(NoContact::BeyondWindow { needed, known }))
+            self.of_carriers[k].or_else(|| is_far.then_some(NoContact::BeyondWindow { needed, known }))
         };
         faces.iter().enumerate().map(of_face).collect()
     }
@@ -115,8 +111,8 @@ impl FaceInterface {
             return Err(InterfaceError::WrongNumberOfPositions { found, expected });
         }
         let interface = ContactInterface::in_window(master, Vec::new(), &[], positions, own)?;
-        let (skin, of_skin) = Skin::in_window(slave, offset, &own)?;
-        let faces: Vec<Facet> = slave.core_facets().map(|face| moved(&face, offset)).collect();
+        let skin = Skin::in_window(slave, offset, &own)?;
+        let faces: Vec<Facet> = slave.core_facets().map(|(_, face)| moved(&face, offset)).collect();
         let first: Vec<Point> = master.first_positions().chain(slave.first_positions()).collect();
         let areas = areas_of(&nodes_of(&faces), &faces, &first)?;
         let mut made = Self::of((interface, skin, areas), faces, first, options);
@@ -130,8 +126,7 @@ impl FaceInterface {
         let of_nodes = made.nodes.iter().map(of_node).collect();
         let master = master.known(positions);
         let of_carriers = vec![None; made.faces.len()];
-        made.window =
-            Some(FaceWindow { master, slave: known, of_skin, of_carriers, of_nodes, beyond: Vec::new() });
+        made.window = Some(FaceWindow { master, slave: known, of_carriers, of_nodes, beyond: Vec::new() });
         Ok(made)
     }
 

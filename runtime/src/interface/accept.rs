@@ -271,8 +271,11 @@ impl Evaluator<'_> {
         f: impl Fn(&Sticking<'_>) -> Option<T> + Sync,
     ) -> Result<Vec<Option<T>>, InterfaceError> {
         let all = pairings.all().into_par_iter();
-        all.map(|k| pool.with(ElementScratch::default, |scratch| self.of_one(pairings, k, law, scratch, &f)))
-            .collect()
+        let all: Vec<_> = all
+            .map(|k| pool.with(ElementScratch::default, |scratch| self.of_one(pairings, k, law, scratch, &f)))
+            .collect();
+        // Of several errors that of the first slave, for any number of threads.
+        all.into_iter().collect()
     }
 
     fn of_one<T>(

@@ -331,7 +331,7 @@ impl Results {
 }
 
 /// New entries are `value`, old ones keep what they hold.
-fn resize<T: Clone>(numbers: &mut Vec<T>, length: usize, value: T) -> Result<(), InterfaceError> {
+pub(super) fn resize<T: Clone>(numbers: &mut Vec<T>, length: usize, value: T) -> Result<(), InterfaceError> {
     let more = length.saturating_sub(numbers.len());
     numbers.try_reserve_exact(more).map_err(|_| InterfaceError::OutOfMemory { numbers: length })?;
     numbers.resize(length, value);
@@ -434,6 +434,6 @@ impl<'a> Slots<'a> {
 }
 
 /// Takes the first `count` out.
-fn front<'a, T>(slots: &mut &'a mut [T], count: usize) -> &'a mut [T] {
+pub(super) fn front<'a, T>(slots: &mut &'a mut [T], count: usize) -> &'a mut [T] {
     slots.split_off_mut(..count).unwrap_or_default()
 }

@@ -156,41 +156,6 @@ impl ContactInterface {
         self.pairings = Pairings::none(layout.slaves().to_vec(), layout.areas().to_vec());
     }
 
-    /// First positions of the master surface's nodes, in the order of [`MasterSurface::nodes`]: the configuration in which domains of
-    /// influence were found and stay what they are. `None` without domains.
-    #[must_use]
-    pub fn first_positions(&self) -> Option<Vec<Point>> {
-        self.nodal.as_ref().map(|nodal| nodal.domains.positions().collect())
-    }
-
-    /// Makes these the first positions of the surface's nodes, in the order of [`MasterSurface::nodes`]. Where an interface is made
-    /// in a deformed configuration, as after a restart, domains are those of the first one then, bit for bit.
-    ///
-    /// # Errors
-    /// [`InterfaceError::WrongNumberOfPositions`], [`InterfaceError::Surface`]; [`InterfaceError::InWindow`] where they are those of a
-    /// window.
-    pub fn set_first_positions(&mut self, positions: &[Point]) -> Result<(), InterfaceError> {
-        self.check_whole("finding domains of influence")?;
-        let nodes = self.master.nodes();
-        let (found, expected) = (positions.len(), nodes.len());
-        if found != expected {
-            return Err(InterfaceError::WrongNumberOfPositions { found, expected });
-        }
-        let mut all = vec![[0.0; 3]; self.master.positions_needed()];
-        for (&node, &x) in nodes.iter().zip(positions) {
-            all[node as usize] = x;
-        }
-        let index = self.master.at(&all)?;
-        if let Some(nodal) = &mut self.nodal {
-            nodal.renew(&index);
-        }
-        if let Some(own) = &mut self.own {
-            *own = OwnSurface::new(&index, self.options.distance_limit);
-        }
-        self.listed = None;
-        Ok(())
-    }
-
     fn find_domains(&mut self) -> Result<(), InterfaceError> {
         let index = self.master.at(&self.positions)?;
         self.nodal = Nodal::new(&index, &self.options, &self.planes)?;

@@ -34,7 +34,7 @@ pub struct CutbackHint {
 /// # fn iterate(interface: &mut ContactInterface, positions: &[[f64; 3]]) -> Result<f64, InterfaceError> {
 /// let mut cutback = Cutback::new(interface.slaves().len());
 /// // In each iteration:
-/// interface.update(positions)?;
+/// interface.follow(positions)?;
 /// cutback.book(interface.evaluate(Mode::Hessian)?);
 /// let hint = cutback.hint(interface, 0.25);
 /// # Ok(hint.factor)

@@ -8,7 +8,7 @@ use super::nodal::symmetry_of;
 use super::pairings::Pairings;
 use super::refresh::{Compares, Refresh, RefreshScratch, SKIN};
 use super::window::Knowledge;
-use super::{ContactElement, ContactInterface, InterfaceError, Listed, RefreshReport};
+use super::{ContactElement, ContactInterface, InterfaceError, Listed, NoContact, RefreshReport};
 use crate::Point;
 use crate::neighbourhood::SearchOptions;
 use crate::pairing::NearestNodes;
@@ -164,14 +164,19 @@ impl ContactInterface {
         };
         let masters =
             self.master.nodes().iter().map(|&node| square(node as usize)).fold(0.0, f64::max).sqrt();
-        let paired = |k: usize| self.pairings.get(k).ok().map(|paired| paired.record.support_radius);
-        let smallest = self.pairings.all().filter_map(paired).fold(f64::INFINITY, f64::min);
+        let smallest = self.nodal.as_ref().map_or(0.0, |nodal| nodal.domains.shortest());
+        // Of a window without nodes.
+        let smallest = if smallest.is_finite() { smallest } else { 0.0 };
         // Where nothing was near enough it comes near by no less than the limit.
         let smallest = self.own.as_ref().map_or(smallest, |own| smallest.min(own.limit()));
         let stays = |k: usize| {
-            // A slave without a list may get one.
-            let shortest = paired(k).unwrap_or(smallest);
-            masters + square(self.pairings.layout.slave(k)).sqrt() <= 0.5 * SKIN * shortest
+            let allowed = match self.pairings.get(k) {
+                Ok(paired) => paired.record.complete_within,
+                // Slaves without a list may get one.
+                Err(NoContact::TooFar { distance, limit }) if distance.is_finite() => distance - limit,
+                Err(_) => 0.5 * SKIN * smallest,
+            };
+            masters + square(self.pairings.layout.slave(k)).sqrt() < allowed
         };
         self.pairings.all().all(stays).then(|| {
             let paired = listed.report.paired;

@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use rayon::prelude::*;
 
-use super::contacts::Layout;
+use super::contacts::{Layout, front, resize};
 use super::fill::CHUNK;
 use super::linearise::{LinearContact, Second, SecondForm};
 use super::{ContactInterface, InterfaceError, NoContact, Outcome, back};
@@ -224,10 +224,6 @@ impl<'a> Slots<'a> {
     }
 }
 
-fn front<'a, T>(slots: &mut &'a mut [T], count: usize) -> &'a mut [T] {
-    slots.split_off_mut(..count).unwrap_or_default()
-}
-
 /// The derivatives by the points of a contact.
 fn by_points(
     contact: &LinearContact,
@@ -247,7 +243,6 @@ fn by_points(
 
 fn filled<T: Clone>(count: usize, value: T) -> Result<Vec<T>, InterfaceError> {
     let mut all = Vec::new();
-    all.try_reserve_exact(count).map_err(|_| InterfaceError::OutOfMemory { numbers: count })?;
-    all.resize(count, value);
+    resize(&mut all, count, value)?;
     Ok(all)
 }

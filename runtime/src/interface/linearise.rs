@@ -5,7 +5,7 @@ use std::ops::Range;
 use diffuse_contact_kernels::support::{ElementInputs, FrameRule, KernelSet, SecondKind, packed_row};
 use rayon::prelude::*;
 
-use super::contacts::Results;
+use super::contacts::{Results, resize};
 use super::evaluator::Evaluator;
 use super::fill::{CHUNK, Request};
 use super::pairings::{Paired, Pairings};
@@ -107,12 +107,8 @@ const NONE: ContactPoint = ContactPoint { gap: f64::NAN, foot: [f64::NAN; 3], no
 
 impl LinearContacts {
     fn allocate(&mut self, gradients: usize, seconds: usize) -> Result<(), InterfaceError> {
-        for (numbers, length) in [(&mut self.gradients, gradients), (&mut self.seconds, seconds)] {
-            let failed = |_| InterfaceError::OutOfMemory { numbers: length };
-            numbers.try_reserve_exact(length).map_err(failed)?;
-            numbers.resize(length, 0.0);
-        }
-        Ok(())
+        resize(&mut self.gradients, gradients, 0.0)?;
+        resize(&mut self.seconds, seconds, 0.0)
     }
 
     /// Gives each element its contact's numbers, and returns the contacts.

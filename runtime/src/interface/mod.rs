@@ -7,8 +7,8 @@
 //!
 //! * **Pairing data** (masters, support radius, basis, the facet that says which side is outside; the frame, if
 //!   frames are held; the facet of a node-to-facet element) are piecewise constant: only
-//!   [`refresh_pairing`](ContactInterface::refresh_pairing) changes them, and it reports by how much the gap
-//!   jumped. Call it once an increment, or once an iteration.
+//!   [`refresh_pairing`](ContactInterface::refresh_pairing) changes them. Call it once an increment, and
+//!   [`follow`](ContactInterface::follow) in its iterations. By rules other than nodal domains the gap may jump, by as much as the report says.
 //! * **Every slave has an [`Outcome`]**: contact, with what the search had to give up for it, or the named
 //!   reason why not. [`InterfaceError`]s are for what the caller has to mend.
 //! * **Derivatives** are with respect to the global coordinates of slave, master 1, …, master n, with the
@@ -223,11 +223,6 @@ impl ContactInterface {
     pub(crate) fn image_of(&self, carrier: Carrier) -> Option<&Image> {
         let (nodal, number) = (self.nodal.as_ref()?, carrier.image?);
         Some(nodal.symmetry.image(number))
-    }
-
-    /// Where the `k`-th slave is.
-    pub(crate) fn position_of(&self, k: usize) -> Point {
-        self.positions[self.pairings.layout.slave(k)]
     }
 
     /// The planes of symmetry with their images.

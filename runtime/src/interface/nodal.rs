@@ -1,10 +1,10 @@
 //! The domains of influence of a master surface's nodes, as an interface keeps them.
 
 use super::{ContactElement, InterfaceError, InterfaceOptions};
+use crate::MaterialDomain;
 use crate::neighbourhood::NeighbourRule;
 use crate::surface::window::Extents;
 use crate::surface::{Creases, NONE, NodalDomains, SurfaceIndex, Symmetry, SymmetryPlane};
-use crate::{Basis, MaterialDomain, Weight};
 
 /// Nodal domains, the sheets they belong to, and what they were found from.
 #[derive(Clone, Debug)]
@@ -13,8 +13,6 @@ pub struct Nodal {
     pub symmetry: Symmetry,
     /// Where sheets end.
     pub creases: Creases,
-    pub weight: Weight,
-    pub basis: Basis,
     /// Of the surface where its planes of symmetry were given.
     pub extents: Extents,
 }
@@ -35,20 +33,16 @@ impl Nodal {
         }
         let extents = Extents::of(index);
         let symmetry = Symmetry::of_surface(planes, &extents)?;
+        Symmetry::check_sides(planes, index.positions(), extents.facet)?;
         let creases = Creases::new(index, options.feature_angle_degrees.to_radians(), &symmetry);
         let domains = NodalDomains::new(index, &creases, &symmetry, weight, search.basis);
-        Ok(Some(Self { domains, symmetry, creases, weight, basis: search.basis, extents }))
+        Ok(Some(Self { domains, symmetry, creases, extents }))
     }
 
     /// That of a node of the surface, or of its image with this number.
     pub fn domain(&self, place: u32, image: u32) -> MaterialDomain {
         let domain = *self.domains.domain(place as usize);
         if image == NONE { domain } else { self.symmetry.domain_of(image, &domain) }
-    }
-
-    /// The domains anew, with the surface as it is at the index: that becomes its first configuration. Sheets stay what they are.
-    pub fn renew(&mut self, index: &SurfaceIndex<'_>) {
-        self.domains = NodalDomains::new(index, &self.creases, &self.symmetry, self.weight, self.basis);
     }
 }
 

@@ -16,6 +16,8 @@ pub struct Record {
     pub fallback: Fallback,
     /// The facet closest to the slave: the one whose side is outside.
     pub facet: u32,
+    /// With nodal domains: while slave and masters together have moved by less than this since, the list of masters is complete, length.
+    pub complete_within: f64,
 }
 
 /// Pairing data of all slaves.

@@ -314,6 +314,7 @@ impl Refresh<'_> {
                 basis: Basis::Linear,
                 fallback: Fallback::None,
                 facet,
+                complete_within: 0.0,
             });
         }
         let slave: Point = positions[self.old.layout.slave(k)];
@@ -332,6 +333,7 @@ impl Refresh<'_> {
             basis: found.basis,
             fallback: found.fallback,
             facet,
+            complete_within: 0.0,
         })
     }
 }
@@ -389,7 +391,22 @@ impl Refresh<'_> {
         }
         creases.patch_with_end(surface, facet, masters, patch);
         list_carriers(self.evaluator.anchors_of(k), masters, places, images);
-        Ok(Record { support_radius: shortest, basis, fallback, facet })
+        let complete_within = 0.5 * SKIN * shortest * self.squeezed(nodal, facet);
+        Ok(Record { support_radius: shortest, basis, fallback, facet, complete_within })
+    }
+}
+
+impl Refresh<'_> {
+    /// By how much the shortest edge of a facet has become shorter, a factor of at most 1: domains, and the skin around them, lie in the
+    /// first configuration, where a slave's place moves by as much more.
+    fn squeezed(&self, nodal: &Nodal, facet: u32) -> f64 {
+        let (shape, places) = (self.index.shape(facet), self.evaluator.surface.corners_of(facet as usize));
+        let first = |corner: usize| Vector3::from(nodal.domains.domain(places[corner] as usize).position);
+        let ratio = |edge: usize| {
+            let [from, to] = shape.edge(edge);
+            (to - from).norm() / (first((edge + 1) % places.len()) - first(edge)).norm()
+        };
+        (0..places.len()).map(ratio).fold(1.0, f64::min)
     }
 }
 

@@ -108,14 +108,7 @@ impl ContactInterface {
         domains
             .check_images(symmetry.count())
             .map_err(|place| WindowError::Invalid { what: "image", place })?;
-        let nodal = Nodal {
-            domains,
-            symmetry,
-            creases,
-            weight: setup.weight,
-            basis: setup.basis,
-            extents: setup.extents,
-        };
+        let nodal = Nodal { domains, symmetry, creases, extents: setup.extents };
         let mut interface = Self::without_domains(master, slaves, slave_facets, positions, options)?;
         interface.planes = setup.planes.clone();
         interface.creases = nodal.creases.clone();

@@ -15,7 +15,7 @@ use super::sheets::{Carried, Listed, Sheets};
 use super::topology::NONE;
 use super::trim::trimmed;
 use super::{Creases, SurfaceIndex, Symmetry};
-use crate::{Basis, MaterialDomain, Point, Weight};
+use crate::{Basis, MaterialDomain, Weight};
 
 /// Domains are wider than the centres ask for by this factor: slaves are elsewhere, too.
 const MORE: f64 = 1.09;
@@ -31,6 +31,8 @@ pub(crate) struct NodalDomains {
     listed: Vec<Listed>,
     /// Where the list of each facet ends.
     ends: Vec<usize>,
+    /// The shortest half axis of all domains; infinite without one.
+    shortest: f64,
 }
 
 impl NodalDomains {
@@ -65,7 +67,8 @@ impl NodalDomains {
                 Some(*end)
             })
             .collect();
-        Self { domains, bases, listed: lists.concat(), ends }
+        let shortest = domains.iter().map(MaterialDomain::shortest).fold(f64::INFINITY, f64::min);
+        Self { domains, bases, listed: lists.concat(), ends, shortest }
     }
 
     /// Whether lists name no image from this number on; else the place of one that does among those listed.
@@ -79,9 +82,9 @@ impl NodalDomains {
         &self.domains[place]
     }
 
-    /// First positions of the surface's nodes, by place.
-    pub fn positions(&self) -> impl ExactSizeIterator<Item = Point> {
-        self.domains.iter().map(|domain| domain.position)
+    /// The shortest half axis of all domains; infinite without one.
+    pub const fn shortest(&self) -> f64 {
+        self.shortest
     }
 
     /// The nodes that a slave may need whose closest facet this is, ascending by place, a node before its images.

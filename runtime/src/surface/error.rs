@@ -100,18 +100,38 @@ pub enum SurfaceError {
         /// The highest index of a corner, plus 1.
         needed: usize,
     },
-    /// A symmetry plane's normal is no unit vector, or the planes have more images than can be told apart.
+    /// A symmetry plane's normal is no unit vector, or its point is not finite.
     #[error(
-        "symmetry plane {plane} has a normal of length {length}, and the planes have {images} images: normals have to be unit vectors, \
-         planes parallel or at 180 degrees over a whole number"
+        "symmetry plane {plane} has a normal of length {length}, not a unit vector, or a point that is not finite"
     )]
     InvalidSymmetry {
         /// The plane, counted from 0.
         plane: usize,
         /// Length of its normal.
         length: f64,
-        /// Images found before the search was given up; 0 if it was not begun.
+    },
+    /// Symmetry planes have too many images near the surface.
+    #[error(
+        "the symmetry planes have more than {images} images within {reach:e} of the surface: planes have to be parallel or at 180 degrees \
+         over a whole number, and parallel ones no nearer to one another than a thirtieth of the largest facet"
+    )]
+    TooManyImages {
+        /// Images found before the search was given up.
         images: usize,
+        /// How far from the surface they are looked for, length: eight of its largest facets.
+        reach: f64,
+    },
+    /// The surface lies on both sides of a symmetry plane.
+    #[error(
+        "the surface reaches from {low:e} to {high:e} across symmetry plane {plane}: it has to lie on one side of it"
+    )]
+    CutBySymmetry {
+        /// The plane, counted from 0.
+        plane: usize,
+        /// Lowest height of a node over the plane, length.
+        low: f64,
+        /// Highest height, length.
+        high: f64,
     },
 }
 
@@ -132,6 +152,8 @@ impl SurfaceError {
             Self::InconsistentOrientation { .. } => "inconsistent-orientation",
             Self::TooFewPositions { .. } => "too-few-positions",
             Self::InvalidSymmetry { .. } => "invalid-symmetry",
+            Self::TooManyImages { .. } => "too-many-images",
+            Self::CutBySymmetry { .. } => "cut-by-symmetry",
         }
     }
 }

@@ -103,7 +103,7 @@ fn centres(index: &SurfaceIndex<'_>, creases: &Creases, facet: u32) -> Vec<Centr
     let corners = shape.corners();
     let normal = index.normals()[facet as usize];
     let own = |point| Centre { point, normal, facet, others: Vec::new() };
-    let middle = corners.iter().copied().sum::<Vector3>() / corners.len() as f64;
+    let middle = shape.middle();
     let mut all = vec![own(middle)];
     all.extend(corners.iter().map(|&corner| own((corner + middle) / 2.0)));
     let between = (0..corners.len()).map(|edge| shape.edge(edge));
@@ -183,8 +183,7 @@ impl Scratch {
     fn gather(&mut self, sheets: &Sheets<'_>, (cells, facet): (&[MaterialDomain], u32), reach: f64) {
         let Sheets { index, creases, symmetry, .. } = *sheets;
         let shape = index.shape(facet);
-        let corners = shape.corners();
-        self.middle = corners.iter().copied().sum::<Vector3>() / corners.len() as f64;
+        self.middle = shape.middle();
         let from = Point::from(self.middle);
         self.walk.start(index, facet, from);
         self.walk.nodes_within(index, creases, reach, &mut self.found);

@@ -40,7 +40,7 @@ pub(super) fn list(
     let Scratch { walk, found, is_open, .. } = scratch;
     let shape = index.shape(facet);
     let corners = shape.corners();
-    let middle = corners.iter().copied().sum::<Vector3>() / corners.len() as f64;
+    let middle = shape.middle();
     let reaches = |domain: &MaterialDomain| {
         let reach = corners
             .iter()

@@ -70,6 +70,12 @@ impl Shape {
         [corners[edge], corners[(edge + 1) % corners.len()]]
     }
 
+    /// The mean of the corners.
+    pub fn middle(&self) -> Vector3 {
+        let corners = self.corners();
+        corners.iter().copied().sum::<Vector3>() / corners.len() as f64
+    }
+
     /// The point at natural coordinates, which may lie outside their range.
     pub fn point(&self, [xi, eta]: [f64; 2]) -> Vector3 {
         match self {

@@ -11,6 +11,8 @@ const IMAGES_REACH: f64 = 8.0;
 const MOST_IMAGES: usize = 512;
 /// Two images are one if they differ by less than this, in rotation and, over the largest radius, in translation.
 const SAME_IMAGE: f64 = 1e-9;
+/// Nodes may lie as far behind a plane as this fraction of the largest facet.
+const BEHIND: f64 = 0.01;
 /// A unit normal may be as long as this off 1.
 const UNIT_TOLERANCE: f64 = 1e-9;
 
@@ -100,13 +102,13 @@ impl Symmetry {
     /// The images that come within `reach` of the model, all of which lies in the box from `low` to `high`.
     ///
     /// # Errors
-    /// [`SurfaceError::InvalidSymmetry`] for a plane whose normal is no unit vector, or planes with too many images: they have to
-    /// be parallel or meet at 180° over a whole number.
+    /// [`SurfaceError::InvalidSymmetry`] for a plane whose normal is no unit vector; [`SurfaceError::TooManyImages`] for planes that
+    /// are not parallel and do not meet at 180° over a whole number, or are too near to one another.
     pub fn new(planes: &[SymmetryPlane], reach: f64, [low, high]: [Point; 2]) -> Result<Self, SurfaceError> {
         for (plane, symmetry) in planes.iter().enumerate() {
             let length = Vector3::from(symmetry.normal).norm();
             if !((length - 1.0).abs() <= UNIT_TOLERANCE && symmetry.point.iter().all(|x| x.is_finite())) {
-                return Err(SurfaceError::InvalidSymmetry { plane, length, images: 0 });
+                return Err(SurfaceError::InvalidSymmetry { plane, length });
             }
         }
         let corners: Vec<Point> = (0..8)
@@ -135,7 +137,7 @@ impl Symmetry {
                 }
             }
             if all.len() > MOST_IMAGES {
-                return Err(SurfaceError::InvalidSymmetry { plane: 0, length: 1.0, images: all.len() });
+                return Err(SurfaceError::TooManyImages { images: MOST_IMAGES, reach });
             }
         }
         all.remove(0);
@@ -151,6 +153,22 @@ impl Symmetry {
             return Ok(Self::default());
         }
         Self::new(planes, IMAGES_REACH * extents.facet, [extents.low, extents.high])
+    }
+
+    /// Refuses planes with nodes on both sides: images would lie among them.
+    ///
+    /// # Errors
+    /// [`SurfaceError::CutBySymmetry`].
+    pub fn check_sides(planes: &[SymmetryPlane], nodes: &[Point], facet: f64) -> Result<(), SurfaceError> {
+        for (plane, symmetry) in planes.iter().enumerate() {
+            let heights = nodes.iter().map(|&x| symmetry.distance(x));
+            let (low, high) =
+                heights.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| (low.min(x), high.max(x)));
+            if low.abs().min(high.abs()) > BEHIND * facet && low < 0.0 && high > 0.0 {
+                return Err(SurfaceError::CutBySymmetry { plane, low, high });
+            }
+        }
+        Ok(())
     }
 
     /// The planes alone, for points of a surface of this size: there are no images.
@@ -293,9 +311,9 @@ mod tests {
         let planes =
             [SymmetryPlane::across(0, [0.0; 3]), SymmetryPlane { point: [0.0; 3], normal: [s, c, 0.0] }];
         let error = Symmetry::new(&planes, 1.0, [[0.0; 3], [1.0; 3]]).unwrap_err();
-        assert!(matches!(error, SurfaceError::InvalidSymmetry { images, .. } if images > MOST_IMAGES));
+        assert!(matches!(error, SurfaceError::TooManyImages { images: MOST_IMAGES, .. }));
         let long = SymmetryPlane { point: [0.0; 3], normal: [0.0, 2.0, 0.0] };
         let error = Symmetry::new(&[long], 1.0, [[0.0; 3], [1.0; 3]]).unwrap_err();
-        assert_eq!(error, SurfaceError::InvalidSymmetry { plane: 0, length: 2.0, images: 0 });
+        assert_eq!(error, SurfaceError::InvalidSymmetry { plane: 0, length: 2.0 });
     }
 }

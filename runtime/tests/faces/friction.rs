@@ -314,6 +314,21 @@ fn histories_of_others_are_refused() {
     assert!(own.history().is_empty());
 }
 
+/// A history is of a step that ended; how far from the law faces are is of positions, which they have none of yet.
+#[test]
+fn rounds_of_augmentation_need_a_refresh() {
+    let pair = bumps(false);
+    let history = interface(&pair, ContactElement::default(), &[]).history();
+    let surface = MasterSurface::new(&pair.positions, pair.master.clone()).unwrap();
+    let options = FaceOptions::new(InterfaceOptions::default());
+    let mut own = FaceInterface::new(surface, &pair.slave, &pair.positions, options).unwrap();
+    own.set_history(&history).unwrap();
+    let law = law();
+    let law = law.with_friction(law.friction.map(|friction| friction.with_augmentation(true)));
+    assert_eq!(own.slip_errors(&law).unwrap_err(), InterfaceError::NotRefreshed);
+    assert_eq!(own.augment(&law, |_| true).unwrap_err(), InterfaceError::NotRefreshed);
+}
+
 /// One edge of a face in a plane of symmetry: nothing there points out of it.
 #[test]
 fn tractions_stay_within_planes_of_symmetry() {

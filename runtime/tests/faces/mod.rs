@@ -2,6 +2,7 @@
 
 mod friction;
 mod law;
+mod layers;
 mod points;
 mod window;
 
@@ -421,35 +422,6 @@ fn points_lie_on_the_slaves_own_smooth_surface() {
     let (smooth, flat) = (worst(ContactElement::default()), worst(ContactElement::NodeToFacet));
     // h²/8R is 4e-3 for faces of 0.4.
     assert!(smooth < 2e-4 && flat > 2e-3, "{smooth:e} {flat:e}");
-}
-
-/// A wall with both of its skins as master, thinner than the faces' reach: its far skin carries nothing, however deep the slave is.
-#[test]
-fn of_layers_of_the_master_the_nearest_carries() {
-    let pair = Pair::new([6, 4], false, |x, y| [x, y, 0.0], |x, y| [x, y, -0.12]);
-    // The far skin, 0.2 below and looking down, and a layer 0.8 above the near one that looks up.
-    let first = pair.positions.len();
-    let down = Grid::new(6, first, false, |x, y| [x, y, -0.2]);
-    let beyond = Grid::new(5, first + down.positions.len(), true, |x, y| [x, y, 0.8]);
-    let positions = [pair.positions.clone(), down.positions, beyond.positions].concat();
-    let master = [pair.master.clone(), down.facets, beyond.facets].concat();
-    for element in elements() {
-        let surface = MasterSurface::new(&positions, master.clone()).unwrap();
-        let options = FaceOptions::new(InterfaceOptions::default().with_element(element));
-        let mut interface = FaceInterface::new(surface, &pair.slave, &positions, options).unwrap();
-        interface.refresh(&positions).unwrap();
-        let areas = interface.areas().to_vec();
-        let contacts = interface.evaluate(&ContactLaw::penalty(1.0), Mode::Gradient).unwrap();
-        for (node, area) in contacts.nodes().iter().zip(areas) {
-            assert!(
-                (node.gap + 0.12).abs() < 1e-12 && (node.area - area).abs() < 1e-12,
-                "{node:?} {element:?}"
-            );
-        }
-        let mut forces = vec![0.0; 3 * positions.len()];
-        contacts.add_forces(&DofMap::standard(positions.len()), &mut forces).unwrap();
-        assert!(forces[3 * first..].iter().all(|&force| force == 0.0));
-    }
 }
 
 #[test]

@@ -119,6 +119,13 @@ impl Whole {
     }
 }
 
+/// The partitions that a kind of surface is compared for: all of the plainest, of others quarters, which have every kind of end.
+fn compared(whole: &Whole, cells: Cells, planes: &[SymmetryPlane]) -> Vec<(usize, Vec<Vec<usize>>)> {
+    let is_plain = cells == Cells::Quadrilaterals && planes.is_empty();
+    let all = partitions(&whole.pair).into_iter().enumerate();
+    all.filter(|&(which, _)| is_plain || which == 1).collect()
+}
+
 /// The nodes of the slave in four parts: strips, quarters, and by number.
 fn partitions(pair: &Pair) -> [Vec<Vec<usize>>; 3] {
     let mut nodes: Vec<usize> = pair.slave.iter().flat_map(|face| face.corners()).copied().collect();
@@ -202,7 +209,7 @@ fn any_partition_of_the_nodes_goes_on_with_friction_as_the_whole() {
         assert!(count(FrictionState::Stick) > 5 && count(FrictionState::Slip) > 20);
         whole.interface.accept(&friction()).unwrap();
         let after = histories(&whole.interface, &all);
-        for (which, parts) in partitions(&whole.pair).iter().enumerate() {
+        for (which, parts) in &compared(&whole, cells, &planes) {
             for own in parts {
                 let (mut part, numbers) = whole.part(own, WIDE + LIMIT + SKIN);
                 go_on(&mut part, &numbers, &before);
@@ -256,7 +263,7 @@ fn any_partition_of_the_nodes_has_the_bits_of_the_whole() {
         let of_whole: HashMap<usize, NodeContact> =
             expected.nodes().iter().map(|node| (node.slave, *node)).collect();
         assert!(expected.nodes().iter().filter(|node| node.pressure > 0.0).count() > 60);
-        for (which, parts) in partitions(&whole.pair).iter().enumerate() {
+        for (which, parts) in &compared(&whole, cells, &planes) {
             for own in parts {
                 let (mut part, numbers) = whole.part(own, WIDE + LIMIT + SKIN);
                 let found = part.evaluate(&ContactLaw::penalty(100.0), Mode::Value).unwrap();

@@ -361,12 +361,12 @@ impl Window {
         Ok((surface, NodalDomains::given(domains, bases, &lists), creases))
     }
 
-    /// The facets of its core by place among its nodes, ascending by number.
-    pub(crate) fn core_facets(&self) -> impl Iterator<Item = Facet> + '_ {
-        let core = self.facets.iter().filter(|facet| facet.core.is_some());
-        core.map(|facet| match facet.corners.map(|corner| corner as usize) {
-            [a, b, c, _] if facet.corners[3] == NONE => Facet::Triangle([a, b, c]),
-            corners => Facet::Quadrilateral(corners),
+    /// The facets of its core with their places, ascending, corners by place among its nodes.
+    pub(crate) fn core_facets(&self) -> impl Iterator<Item = (u32, Facet)> + '_ {
+        let core = (0..).zip(&self.facets).filter(|(_, facet)| facet.core.is_some());
+        core.map(|(place, facet)| match facet.corners.map(|corner| corner as usize) {
+            [a, b, c, _] if facet.corners[3] == NONE => (place, Facet::Triangle([a, b, c])),
+            corners => (place, Facet::Quadrilateral(corners)),
         })
     }
 }

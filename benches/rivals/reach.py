@@ -83,7 +83,8 @@ def targets(result):
             lines.append(target(f"{label}, µs, scaled by the peak", f"≤ {most}", found, at_most(most), times))
     clean = result["clean_build"]
     seconds, size = {None: clean["seconds"]}, {None: clean["library"]}
-    lines.append(target("clean release build of the kernels", "< 40 s", seconds, lambda s: s < 40, lambda s: f"{s:.0f} s"))
+    label = "clean release build of the kernels, generator and dependencies included"
+    lines.append(target(label, "< 40 s", seconds, lambda s: s < 40, lambda s: f"{s:.0f} s"))
     mib = lambda size: f"{size / MIB:.1f} MiB"
     lines.append(target("library of the kernels", "< 8 MiB", size, lambda size: size < 8 * MIB, mib))
     return lines

@@ -1,11 +1,15 @@
 //! All tests but that of allocations, which is a program of its own.
 
+#[cfg(feature = "generator")]
 mod codegen_output;
-#[cfg(feature = "bases")]
+#[cfg(all(feature = "bases", feature = "generator"))]
 mod custom_basis;
+#[cfg(feature = "generator")]
 mod custom_weight;
+#[cfg(feature = "generator")]
 mod deep_formulas;
 mod documents;
+#[cfg(feature = "generator")]
 mod elements;
 mod every_size;
 mod facet_kernels;
@@ -17,6 +21,7 @@ mod foot;
 mod friction;
 mod identities;
 mod lanes;
+#[cfg(feature = "generator")]
 mod materials;
 mod node_below_slave;
 mod products;

@@ -2,7 +2,7 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use crate::element::{Element, ElementKind, Facet};
+use crate::element::{Element, Facet};
 use crate::error::MeshError;
 use crate::names;
 
@@ -68,11 +68,6 @@ impl Mesh {
     /// Elements of types that are not supported; whoever asks for a set that holds one gets an error.
     pub fn unread_elements(&self) -> &[UnreadElement] {
         &self.unread.elements
-    }
-
-    /// The elements of one kind.
-    pub fn elements_of_kind(&self, kind: ElementKind) -> impl Iterator<Item = &Element> {
-        self.elements.iter().filter(move |element| element.kind() == kind)
     }
 
     /// Sets of nodes by name, as node indices.

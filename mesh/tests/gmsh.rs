@@ -64,7 +64,7 @@ fn the_block_has_all_nodes_elements_and_groups() {
     assert_eq!(mesh.nodes().len(), 12);
     assert_eq!(mesh.node_tags()[8], 9);
     assert_eq!(mesh.nodes()[8], [1.0, 0.0, 0.0]);
-    let count = |kind| mesh.elements_of_kind(kind).count();
+    let count = |kind| mesh.elements().iter().filter(|element| element.kind() == kind).count();
     assert_eq!(count(ElementKind::Point1), 1);
     assert_eq!(count(ElementKind::Line2), 1);
     assert_eq!(count(ElementKind::Quadrilateral4), 4);

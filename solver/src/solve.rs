@@ -1,19 +1,16 @@
 //! From a deck to results.
 
-use std::collections::{HashMap, HashSet};
 use std::path::{Path, PathBuf};
 
 use thiserror::Error;
 
 use crate::contact::ContactSet;
-use crate::deck::{Contact, Deck, DeckError};
+use crate::deck::{Contact, Deck, DeckError, Sides};
 use crate::model::Model;
 use crate::output::{Claim, OutputError, Recorder, RecorderOptions, Summary, Watcher, names, read_json};
-use crate::report::{self, sample_surfaces};
+use crate::report::{self, Master, sample_surfaces};
 use crate::solid::Solid;
-use crate::statics::{
-    Pressure, Problem, Settings, ShownTime, State, Statics, StaticsError, SupportGroup, SupportGroups,
-};
+use crate::statics::{Pressure, Problem, Settings, ShownTime, State, Statics, StaticsError};
 
 /// What to do with a deck.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -200,11 +197,6 @@ pub fn statics(deck: &Deck, model: &Model, threads: usize) -> Result<Statics, So
 pub fn problem(deck: &Deck, model: &Model, threads: usize) -> Result<Problem, SolveError> {
     let solid = Solid::new(&model.nodes, &model.bodies)?;
     let supports = deck.supports(model)?;
-    let names = support_names(deck);
-    let groups = names
-        .into_iter()
-        .zip(supports.supports().to_vec())
-        .map(|(name, support)| SupportGroup { name, support });
     let pressures = deck.loads(model)?.into_iter().map(|load| Pressure {
         faces: model.faces_of(&load.facets),
         value: load.value,
@@ -214,29 +206,11 @@ pub fn problem(deck: &Deck, model: &Model, threads: usize) -> Result<Problem, So
     Ok(Problem::new(
         model.nodes.clone(),
         solid,
-        SupportGroups::new(model.nodes.len(), groups.collect()),
+        supports,
         pressures.collect(),
         ContactSet::new(deck.interactions(model)?),
         threads,
     ))
-}
-
-/// What the boundaries are called in results: by their node sets, and by a number where those are the same.
-fn support_names(deck: &Deck) -> Vec<String> {
-    let (mut names, mut known, mut numbers) = (Vec::new(), HashSet::new(), HashMap::new());
-    for boundary in &deck.boundaries {
-        let sets: Vec<&str> = boundary.nodes.iter().map(|name| name.name.as_str()).collect();
-        let sets = sets.join("+");
-        let mut name = sets.clone();
-        // Goes on where the last of this name ended.
-        let number = numbers.entry(sets.clone()).or_insert(1);
-        while !known.insert(name.clone()) {
-            *number += 1;
-            name = format!("{sets} ({number})");
-        }
-        names.push(name);
-    }
-    names
 }
 
 /// How a deck's problem is solved.
@@ -245,14 +219,18 @@ pub fn settings(deck: &Deck) -> Settings {
     Settings::new(deck.time, deck.newton)
 }
 
+/// The smooth surfaces of all masters; in two passes both sides are masters.
 fn master_surfaces(deck: &Deck, model: &Model, state: &State) -> Vec<report::SurfaceSample> {
-    let sides: Vec<_> = deck
-        .interfaces
-        .iter()
-        .filter_map(|interface| Some((interface, deck.sides(model, interface).ok()?.master)))
-        .collect();
-    let surfaces = sides.iter().map(|(interface, master)| {
-        (interface.name.as_str(), &master[..], interface.options(Contact::Diffuse))
-    });
-    sample_surfaces(surfaces, &state.positions)
+    let mut masters = Vec::new();
+    for interface in deck.interfaces.iter().filter(|_| deck.contact != Contact::None) {
+        let Ok(Sides { master, slave }) = deck.sides(model, interface) else { continue };
+        let (name, symmetry) = (&interface.name, &interface.symmetry[..]);
+        let of =
+            |name, facets| Master { name, facets, options: interface.options(Contact::Diffuse), symmetry };
+        masters.push(of(name.clone(), master));
+        if interface.two_pass {
+            masters.push(of(format!("{name}, the other side"), slave));
+        }
+    }
+    sample_surfaces(&masters, &model.nodes, &state.positions)
 }

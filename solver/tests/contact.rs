@@ -269,9 +269,12 @@ fn contacts_that_move_nothing_are_not_augmented() {
     set.hold(&held);
     assert!(set.interactions()[0].slaves().any(|slave| slave.force > 0.0 && slave.is_held));
     assert_eq!((set.max_penetration(), set.augment(0).unwrap()), (0.0, Augmented::Met));
+    assert!(set.loaded()[0].is_empty(), "there is nothing to lose");
     // One master that can give way is enough for the slaves around it.
     held[14] = false;
     set.hold(&held);
+    let active = set.interactions()[0].slaves().filter(|slave| slave.force > 0.0).count();
+    assert_eq!(set.loaded()[0].len(), active, "they may come over it");
     assert!(set.max_penetration() > 0.0 && set.max_penetration() <= deepest);
     assert_eq!(set.augment(0).unwrap(), Augmented::Due);
     let slaves: Vec<_> = set.interactions()[0].slaves().collect();

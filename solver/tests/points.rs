@@ -37,6 +37,13 @@ fn points_of_faces_are_written() {
     assert_eq!((places.len(), normals.len()), (3 * area.len(), 3 * area.len()));
     assert!(normals.chunks(3).all(|normal| (normal[2] - 1.0).abs() < 1e-9));
 
+    // A run that was killed may have left a list that knows of more, or of less.
+    let list = Path::new(&out).join("points.pvd");
+    fs::write(&list, "").unwrap();
+    fs::remove_file(Path::new(&out).join("report.html")).unwrap();
+    assert_eq!(run(&["solve", &faces, "--out", &out, "--restart"]).code, 0);
+    assert_eq!(fs::read_to_string(&list).unwrap(), series);
+
     assert_eq!(run(&["solve", &nodes, "--out", &out, "--overwrite"]).code, 0);
     let left = files(Path::new(&out));
     assert!(!left.iter().any(|path| path.starts_with("points") || path.ends_with("points.pvd")), "{left:?}");

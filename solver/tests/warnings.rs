@@ -5,6 +5,7 @@ use std::path::PathBuf;
 
 use diffuse_contact_solver::contact::{Beginning, Fallbacks};
 use diffuse_contact_solver::output::{Summary, Watcher, names};
+use diffuse_contact_solver::report::SurfaceSample;
 use diffuse_contact_solver::solve::{SolveOptions, solve};
 use diffuse_contact_solver::statics::{Control, Failure, IncrementRecord, IterationRecord};
 
@@ -123,6 +124,29 @@ fn an_interface_that_never_carries_force_is_named() {
     assert_eq!((whole.increments, whole.interfaces_without_force), (4, vec!["cellar".to_owned()]));
     let (_, none) = run(&scratch, &format!("contact = \"none\"\n{PRESSED}"), false, None);
     assert!(none.interfaces_without_force.is_empty(), "there is none");
+}
+
+/// The report shows each master once, in two passes both sides, and none where there is no contact.
+#[test]
+fn every_master_has_a_sampled_surface() {
+    let scratch = Scratch::new("surfaces");
+    let floor = "shape = \"rigid-plane\"\nsize = [3.0, 2.0]\ndivisions = [6, 4]\n\n[parts.cellar]";
+    let box_ = floor.replace("rigid-plane\"\nsize = [3.0, 2.0]\ndivisions = [6, 4]", 
+        "box\"\nsize = [3.0, 2.0, 0.5]\ndivisions = [6, 4, 1]\ntranslate = [0.0, 0.0, -0.5]\nmaterial = \"soft\"");
+    let two =
+        PRESSED.replace(floor, &box_).replace("master = \"floor\"", "master = \"floor.z+\"\ntwo_pass = true");
+    let none = format!("contact = \"none\"\n{PRESSED}");
+    for (deck, expected) in [
+        (PRESSED, &["floor", "cellar"][..]),
+        (&two, &["floor", "floor, the other side", "cellar"]),
+        (&none, &[]),
+    ] {
+        run(&scratch, deck, false, Some(1));
+        let text = fs::read_to_string(scratch.0.join("out/skins/surfaces.json")).unwrap();
+        let found: Vec<SurfaceSample> = serde_json::from_str(&text).unwrap();
+        let names: Vec<&str> = found.iter().map(|sample| sample.name.as_str()).collect();
+        assert_eq!(names, expected);
+    }
 }
 
 #[test]

@@ -24,7 +24,6 @@ use std::io::{self, Write};
 use std::path::Path;
 
 use crate::element::{Cell, ElementKind};
-use crate::mesh::Mesh;
 use array::{Values, escaped, is_xml_text};
 pub use error::{Attached, VtuError};
 
@@ -94,11 +93,6 @@ impl<'a> VtuFile<'a> {
         Self::default()
     }
 
-    /// The grid of a mesh: all nodes, all elements.
-    pub fn of_mesh(mesh: &'a Mesh) -> Self {
-        Self::new().points(mesh.nodes()).cells(mesh.elements())
-    }
-
     /// Sets the points, in place of any given before.
     pub fn points(mut self, points: impl Into<Cow<'a, [[f64; 3]]>>) -> Self {
         self.points = points.into();
@@ -139,19 +133,10 @@ impl<'a> VtuFile<'a> {
         self.point_field(name, Values::I32(values.into()))
     }
 
-    /// Adds a number for each cell.
-    pub fn cell_scalars(self, name: impl Into<String>, values: impl Into<Cow<'a, [f64]>>) -> Self {
-        self.cell_field(name, Values::Scalars(values.into()))
-    }
-
-    /// Adds a vector for each cell.
-    pub fn cell_vectors(self, name: impl Into<String>, values: impl Into<Cow<'a, [[f64; 3]]>>) -> Self {
-        self.cell_field(name, Values::Vectors(values.into()))
-    }
-
     /// Adds an integer for each cell.
-    pub fn cell_i32(self, name: impl Into<String>, values: impl Into<Cow<'a, [i32]>>) -> Self {
-        self.cell_field(name, Values::I32(values.into()))
+    pub fn cell_i32(mut self, name: impl Into<String>, values: impl Into<Cow<'a, [i32]>>) -> Self {
+        self.cell_data.push(Field { name: name.into(), values: Values::I32(values.into()) });
+        self
     }
 
     /// Checks the grid and writes it to a file, which appears whole or not at all: it is written under another
@@ -171,11 +156,6 @@ impl<'a> VtuFile<'a> {
 
     fn point_field(mut self, name: impl Into<String>, values: Values<'a>) -> Self {
         self.point_data.push(Field { name: name.into(), values });
-        self
-    }
-
-    fn cell_field(mut self, name: impl Into<String>, values: Values<'a>) -> Self {
-        self.cell_data.push(Field { name: name.into(), values });
         self
     }
 

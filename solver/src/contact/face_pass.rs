@@ -194,6 +194,25 @@ impl Pass for FacePass {
         self.interface.integration_points()
     }
 
+    /// Of the nodes that no contact acts on but those that can move nothing.
+    fn add_held_forces(&self, forces: &mut [f64]) {
+        let places = || (0..self.slave_count()).filter(|&k| self.contacts()[k].pressure > 0.0);
+        let mut held: Vec<bool> = Vec::new();
+        for k in places().filter(|&k| self.is_held(k)) {
+            held.resize(self.state.held.len(), false);
+            self.interface.carriers(k).for_each(|node| held[node as usize] = true);
+        }
+        if held.is_empty() {
+            return;
+        }
+        for k in places().filter(|&k| !self.is_held(k)) {
+            self.interface.carriers(k).for_each(|node| held[node as usize] = false);
+        }
+        for (k, _) in held.iter().enumerate().filter(|(_, is_held)| **is_held) {
+            (3 * k..3 * k + 3).for_each(|freedom| forces[freedom] -= self.forces[freedom]);
+        }
+    }
+
     fn add_nodal_forces(&self, all: &mut NodalForces) {
         for (sum, force) in all.forces.iter_mut().zip(self.forces.as_chunks::<3>().0) {
             for axis in 0..3 {

@@ -12,9 +12,10 @@ use diffuse_contact::{Mode, Point};
 
 use super::face_pass::FacePass;
 use super::fallbacks::Fallbacks;
+use super::friction::FrictionHistory;
 use super::losses::is_failure;
 use super::node_pass::NodePass;
-use super::pass::{FrictionHistory, NodalForces, Pass, PassError};
+use super::pass::{NodalForces, Pass, PassError};
 use super::{Augmentation, ContactError, Integration, InteractionOptions, LostContact, Way};
 use crate::system::{BlockMatrix, Symmetry};
 
@@ -195,6 +196,10 @@ impl Interaction {
         let mut active = 0;
         self.each(|pass| pass.add_internal_forces(forces).map(|count| active += count))?;
         Ok(active)
+    }
+
+    pub(super) fn add_held_forces(&self, forces: &mut [f64]) {
+        self.passes.iter().for_each(|pass| pass.add_held_forces(forces));
     }
 
     /// Takes the slaves' feet for their anchors, if there is friction without a history.

@@ -10,6 +10,7 @@ mod beginning;
 mod error;
 mod face_pass;
 mod fallbacks;
+mod friction;
 mod interaction;
 mod losses;
 mod node_pass;
@@ -24,6 +25,7 @@ pub use adjust::{AdjustError, adjust};
 pub use beginning::Beginning;
 pub use error::ContactError;
 pub use fallbacks::Fallbacks;
+pub use friction::FrictionHistory;
 pub(crate) use interaction::facet_size;
 pub use interaction::{Augmented, Interaction, SlaveState};
 pub use losses::{Loss, LostContact};
@@ -31,7 +33,7 @@ pub use operator::{ContactOperator, ContactTangent};
 pub use options::{
     Augmentation, Coefficient, Friction, Integration, InteractionOptions, RefreshRule, TangentRule,
 };
-pub use pass::{FrictionHistory, NodalForces};
+pub use pass::NodalForces;
 pub use resultant::Resultant;
 pub use tracks::Way;
 
@@ -58,12 +60,6 @@ impl ContactSet {
     #[must_use]
     pub fn interactions(&self) -> &[Interaction] {
         &self.interactions
-    }
-
-    /// Whether there is no interaction.
-    #[must_use]
-    pub fn is_empty(&self) -> bool {
-        self.interactions.is_empty()
     }
 
     /// Pairs the slaves of the interactions that `rule` is asked of anew; whether any did.
@@ -106,6 +102,12 @@ impl ContactSet {
             active += interaction.add_internal_forces(forces)?;
         }
         Ok(active)
+    }
+
+    /// The part of what [`add_internal_forces`](Self::add_internal_forces) subtracts that moves nothing: slave and masters have all axes
+    /// prescribed. Over faces that on nodes without any other contact.
+    pub(crate) fn add_held_forces(&self, forces: &mut [f64]) {
+        self.interactions.iter().for_each(|interaction| interaction.add_held_forces(forces));
     }
 
     /// The nodes that each slave couples that was paired at the last evaluation, for the pattern of the stiffness.

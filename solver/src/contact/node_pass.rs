@@ -62,6 +62,22 @@ impl NodePass {
     fn contacts(&self) -> &Contacts {
         self.interface.contacts()
     }
+
+    /// What the contact of the `k`-th slave exerts on it and on its masters, and the part of it that is friction.
+    fn for_each_force(&self, law: &ContactLaw<'_>, k: usize, mut f: impl FnMut(usize, Point, Point)) {
+        let contact = self.contacts().get(k);
+        if !contact.outcome.is_contact() {
+            return;
+        }
+        let force = law.force(k, contact.point.gap, contact.area);
+        let (friction, of_slip) = friction_of(law, k, &contact);
+        let factor = friction.map_or(0.0, |friction| friction.factor);
+        let nodes = std::iter::once(contact.slave).chain(contact.nodes.iter().map(|&node| node as usize));
+        for (local, (node, gradient)) in nodes.zip(contact.gradient.as_chunks::<3>().0).enumerate() {
+            let friction = of_slip.get(local).map_or([0.0; 3], |slip| slip.map(|slip| -factor * slip));
+            f(node, [0, 1, 2].map(|axis| force * gradient[axis] + friction[axis]), friction);
+        }
+    }
 }
 
 impl Pass for NodePass {
@@ -236,22 +252,22 @@ impl Pass for NodePass {
 
     fn add_nodal_forces(&self, all: &mut NodalForces) {
         let law = self.state.law();
-        for (k, contact) in
-            self.contacts().iter().enumerate().filter(|(_, contact)| contact.outcome.is_contact())
-        {
-            let force = law.force(k, contact.point.gap, contact.area);
-            let (friction, of_slip) = friction_of(&law, k, &contact);
-            let factor = friction.map_or(0.0, |friction| friction.factor);
-            let nodes = std::iter::once(contact.slave).chain(contact.nodes.iter().map(|&node| node as usize));
-            let gradients = contact.gradient.as_chunks::<3>().0;
-            for (local, (node, gradient)) in nodes.zip(gradients).enumerate() {
-                let slip = of_slip.get(local).copied().unwrap_or([0.0; 3]);
+        for k in 0..self.slave_count() {
+            self.for_each_force(&law, k, |node, force, friction| {
                 for axis in 0..3 {
-                    let friction = -factor * slip[axis];
-                    all.forces[node][axis] += force * gradient[axis] + friction;
-                    all.friction[node][axis] += friction;
+                    all.forces[node][axis] += force[axis];
+                    all.friction[node][axis] += friction[axis];
                 }
-            }
+            });
+        }
+    }
+
+    fn add_held_forces(&self, forces: &mut [f64]) {
+        let law = self.state.law();
+        for k in (0..self.slave_count()).filter(|&k| self.is_held(k)) {
+            self.for_each_force(&law, k, |node, force, _| {
+                (0..3).for_each(|axis| forces[3 * node + axis] -= force[axis]);
+            });
         }
     }
 

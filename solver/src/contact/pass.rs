@@ -4,15 +4,12 @@ use diffuse_contact::Mode;
 use diffuse_contact::Point;
 use diffuse_contact::assembly::{AssemblyError, ContactLaw, DofMap, Tangent, TangentOperator};
 use diffuse_contact::faces::IntegrationPoint;
-use diffuse_contact::friction::{Coulomb, FrictionError};
 use diffuse_contact::interface::{FrictionReport, InterfaceError, Outcome};
 use diffuse_contact::surface::MasterSurface;
-use serde::{Deserialize, Serialize};
 
+use super::friction::{FrictionHistory, PassFriction};
 use super::losses::Losses;
-use super::{
-    Coefficient, ContactError, Friction, InteractionOptions, LostContact, SlaveState, TangentRule, Way,
-};
+use super::{ContactError, InteractionOptions, LostContact, SlaveState, TangentRule, Way};
 use crate::system::{BlockMatrix, Symmetry};
 
 /// What contact exerts on each node, as slave and as master, in all passes.
@@ -22,90 +19,6 @@ pub struct NodalForces {
     pub forces: Vec<Point>,
     /// The part that is friction.
     pub friction: Vec<Point>,
-}
-
-/// What a pass with friction remembers.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct FrictionHistory {
-    /// [`history`](diffuse_contact::interface::ContactInterface::history) of the interface; empty before the first increment.
-    pub anchors: Vec<f64>,
-    /// The same at the start of the last increment: from there slaves that slid slide on. Empty before there was one, and in what an
-    /// earlier version wrote.
-    #[serde(default)]
-    pub anchors_before: Vec<f64>,
-    /// How long the last increment lasted.
-    #[serde(default)]
-    pub lasted: f64,
-    /// Work of friction so far, energy.
-    pub dissipated: f64,
-}
-
-impl FrictionHistory {
-    /// Takes over what an increment did that began with these anchors; nothing without friction.
-    pub fn take(&mut self, before: Vec<f64>, friction: Option<&PassFriction>, report: &FrictionReport) {
-        let Some(friction) = friction else { return };
-        self.anchors_before = before;
-        self.lasted = friction.duration;
-        self.dissipated += report.dissipated;
-    }
-}
-
-/// The friction of a pass.
-#[derive(Clone, Debug)]
-pub struct PassFriction {
-    coefficient: Coefficient,
-    /// ε_T, over faces per area.
-    stiffness: f64,
-    shear_limit: Option<f64>,
-    is_augmented: bool,
-    /// How long the increment lasts.
-    pub duration: f64,
-    /// Whether the law is for the moment that of no friction.
-    pub is_left_out: bool,
-}
-
-impl PassFriction {
-    /// Of a pass with this penalty; none for a coefficient of 0.
-    pub fn new(options: &InteractionOptions, penalty: f64) -> Result<Option<Self>, ContactError> {
-        let is_some = |friction: &&Friction| friction.coefficient != Coefficient::Constant(0.0);
-        let Some(friction) = options.friction.as_ref().filter(is_some) else { return Ok(None) };
-        // Two passes have half of each other's penalty, and of a stiffness and a limit that were given.
-        let share = penalty / options.penalty;
-        let made = Self {
-            coefficient: friction.coefficient.clone(),
-            stiffness: friction.stiffness.map_or(penalty, |stiffness| share * stiffness),
-            shear_limit: friction.shear_limit.map(|limit| share * limit),
-            is_augmented: friction.augmentation.is_some(),
-            duration: 1.0,
-            is_left_out: false,
-        };
-        match made.checked() {
-            Ok(_) => Ok(Some(made)),
-            Err(source) => Err(ContactError::Friction { interface: options.name.clone(), source }),
-        }
-    }
-
-    fn checked(&self) -> Result<Coulomb<'_>, FrictionError> {
-        if self.is_left_out {
-            return Coulomb::new(0.0, self.stiffness);
-        }
-        let variable = |law| Coulomb::variable(law, self.duration, self.stiffness);
-        let law = match &self.coefficient {
-            &Coefficient::Constant(coefficient) => Coulomb::new(coefficient, self.stiffness),
-            Coefficient::Decaying(law) => variable(law),
-            Coefficient::Tabulated(law) => variable(law.as_ref()),
-        }?;
-        Ok(law.with_shear_limit(self.shear_limit)?.with_augmentation(self.is_augmented))
-    }
-
-    /// The law, which was checked when this was made.
-    pub fn law(&self) -> Coulomb<'_> {
-        self.checked().unwrap_or_else(|error| unreachable!("{error}"))
-    }
-
-    pub const fn is_augmented(&self) -> bool {
-        self.is_augmented
-    }
 }
 
 /// A step of a pass that failed.
@@ -151,6 +64,8 @@ pub struct PassState {
     pub multipliers: Vec<f64>,
     /// Whether all axes of each node are prescribed.
     pub held: Vec<bool>,
+    /// Whether those of all nodes of the master are.
+    is_master_held: bool,
     /// Whether more nodes couple since somebody asked.
     pub has_grown: bool,
     losses: Losses,
@@ -172,6 +87,7 @@ impl PassState {
             dofs: DofMap::standard(nodes),
             multipliers: if options.augmentation.is_some() { vec![0.0; slaves] } else { Vec::new() },
             held: vec![false; nodes],
+            is_master_held: false,
             has_grown: false,
             losses: Losses::new(options.self_contact),
         })
@@ -222,6 +138,9 @@ pub trait Pass: std::fmt::Debug {
 
     /// Subtracts the contact forces; the number of contacts that carry one.
     fn add_internal_forces(&mut self, forces: &mut [f64]) -> Result<usize, PassError>;
+
+    /// Subtracts the part of the contact forces that moves nothing, as far as nodes tell it from the rest.
+    fn add_held_forces(&self, forces: &mut [f64]);
 
     /// Adds the tangents of the contacts that carry force; whether they are symmetric.
     fn add_tangent(&mut self, matrix: &mut BlockMatrix, tangent: Tangent) -> Result<Symmetry, PassError>;
@@ -318,7 +237,10 @@ pub trait Pass: std::fmt::Debug {
 
     /// Takes over which nodes have all axes prescribed.
     fn hold(&mut self, held: &[bool]) {
-        self.state_mut().held.copy_from_slice(held);
+        let is_master_held = self.master().nodes().iter().all(|&node| held[node as usize]);
+        let state = self.state_mut();
+        state.held.copy_from_slice(held);
+        state.is_master_held = is_master_held;
     }
 
     /// Whether nodes couple that did not when this was asked last: the stiffness then needs another pattern.
@@ -450,9 +372,12 @@ pub trait Pass: std::fmt::Debug {
         vanished.count()
     }
 
-    /// The places of the slaves that carry force, ascending.
+    /// The places of the slaves that carry force, ascending. Those that can move nothing on any part of the master are left out: without
+    /// their contact equilibrium is the same.
     fn loaded(&self) -> Vec<u32> {
-        let places = self.slaves().enumerate().filter(|(_, slave)| slave.force > 0.0);
+        let is_master_held = self.state().is_master_held;
+        let is_one = |slave: &SlaveState| slave.force > 0.0 && !(slave.is_held && is_master_held);
+        let places = self.slaves().enumerate().filter(|(_, slave)| is_one(slave));
         places.map(|(k, _)| k as u32).collect()
     }
 }

@@ -64,7 +64,7 @@ impl Deck {
             let made = Interaction::new(options, &sides.master, &sides.slave, &model.nodes);
             let mut interaction = self.refused(interface, made)?;
             let (deformable, supports) = (model.deformable(), self.supports(model)?);
-            let is_free = |node: usize, axis| deformable[node] && supports.motion(node, axis).is_none();
+            let is_free = |node: usize, axis| deformable[node] && supports.is_free(3 * node + axis);
             let free: Vec<[bool; 3]> =
                 (0..model.nodes.len()).map(|node| [0, 1, 2].map(|axis| is_free(node, axis))).collect();
             let moved = match adjust(&mut interaction, &model.nodes, &free, limit) {

@@ -98,7 +98,7 @@ pub(super) fn newton(deck: &Section) -> Result<NewtonSettings, DeckError> {
         newton.tolerance = field.number_in("above 0 and below 1", |value| value > 0.0 && value < 1.0)?;
     }
     if let Some(field) = section.get("absolute") {
-        newton.absolute = field.number_in("at least 0", |value| value >= 0.0)?;
+        newton.absolute = Some(field.number_in("at least 0", |value| value >= 0.0)?);
     }
     if let Some(field) = section.get("max_iterations") {
         newton.max_iterations = field.positive_count()?;

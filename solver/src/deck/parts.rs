@@ -174,7 +174,6 @@ fn shaped(part: &str, section: &Section, shape: &Field) -> Result<PartSource, De
     Ok(PartSource::Shape(shape))
 }
 
-/// `name` is one of [`schema::SHAPES`].
 /// What the part is made of.
 fn source(name: &str, section: &Section) -> Result<PartSource, DeckError> {
     match (section.get("shape"), section.get("file")) {

@@ -1,13 +1,13 @@
 //! From a deck to a model: parts are made, names become nodes and facets.
 
-use std::collections::{BTreeMap, BTreeSet, HashSet};
+use std::collections::{BTreeMap, BTreeSet, HashMap, HashSet};
 use std::path::Path;
 
 use diffuse_contact::surface::Facet;
 use diffuse_contact_mesh::names::nearest;
 
 use super::error::{DeckError, Problem};
-use super::{Deck, Interface, PartEntry, PartSource, Reference};
+use super::{Boundary, Deck, Interface, PartEntry, PartSource, Reference};
 use crate::model::{
     Amplitude, Conflict, Model, ModelError, Part, Support, Supports, read_rigid_part, read_solid_part,
 };
@@ -21,14 +21,6 @@ pub struct Sides {
     pub master: Vec<Facet>,
     /// Facets whose nodes must not penetrate it.
     pub slave: Vec<Facet>,
-}
-
-impl Sides {
-    /// The nodes of the slave facets, ascending.
-    #[must_use]
-    pub fn slave_nodes(&self) -> Vec<usize> {
-        nodes_of(&self.slave).into_iter().collect()
-    }
 }
 
 /// A pressure on facets.
@@ -81,24 +73,24 @@ impl Deck {
     /// [`DeckError::Invalid`]: a set that does not exist, two conditions that contradict each other, a rigid node that is free.
     pub fn supports(&self, model: &Model) -> Result<Supports, DeckError> {
         let mut supports = Vec::new();
-        for boundary in &self.boundaries {
+        for (boundary, name) in self.boundaries.iter().zip(support_names(&self.boundaries)) {
             let mut nodes = BTreeSet::new();
-            for name in &boundary.nodes {
-                nodes.extend(self.find(&model.node_sets, "node set", name)?);
+            for set in &boundary.nodes {
+                nodes.extend(self.find(&model.node_sets, "node set", set)?);
             }
             let (axes, motion) = (boundary.axes, boundary.motion.clone());
-            supports.push(Support { nodes: nodes.into_iter().collect(), axes, motion });
+            supports.push(Support { name, nodes: nodes.into_iter().collect(), axes, motion });
         }
         let contradiction = |Conflict { node, axis, first, second }| {
             let (position, axis, other) = (model.nodes[node], AXES[axis], self.boundaries[first].line);
             self.error(self.boundaries[second].line, Problem::Conflict { node, position, axis, other })
         };
-        let supports = Supports::new(model.nodes.len(), &supports).map_err(contradiction)?;
+        let supports = Supports::new(model.nodes.len(), supports).map_err(contradiction)?;
 
         let deformable = model.deformable();
         for entry in self.parts.iter().filter(|entry| entry.material.is_none()) {
             for &node in model.node_sets.get(&entry.name).into_iter().flatten() {
-                let free = (0..3).find(|&axis| !deformable[node] && supports.motion(node, axis).is_none());
+                let free = (0..3).find(|&axis| !deformable[node] && supports.is_free(3 * node + axis));
                 if let Some(axis) = free {
                     let (part, position) = (entry.name.clone(), model.nodes[node]);
                     let problem = Problem::FreeRigidNode { part, position, axis: AXES[axis] };
@@ -251,6 +243,24 @@ fn nearest_name<'a>(name: &str, among: impl Iterator<Item = &'a str> + Clone) ->
         }
         _ => nearest(name, among),
     }
+}
+
+/// What the boundaries are called in results: by their node sets, and by a number where those are the same.
+fn support_names(boundaries: &[Boundary]) -> Vec<String> {
+    let (mut names, mut known, mut numbers) = (Vec::new(), HashSet::new(), HashMap::new());
+    for boundary in boundaries {
+        let sets: Vec<&str> = boundary.nodes.iter().map(|name| name.name.as_str()).collect();
+        let sets = sets.join("+");
+        let mut name = sets.clone();
+        // Goes on where the last of this name ended.
+        let number = numbers.entry(sets.clone()).or_insert(1);
+        while !known.insert(name.clone()) {
+            *number += 1;
+            name = format!("{sets} ({number})");
+        }
+        names.push(name);
+    }
+    names
 }
 
 fn nodes_of(facets: &[Facet]) -> BTreeSet<usize> {

@@ -78,6 +78,12 @@ impl Law {
         self.bulk + 4.0 / 3.0 * self.shear
     }
 
+    /// E, force per area.
+    #[must_use]
+    pub fn young_modulus(&self) -> f64 {
+        9.0 * self.bulk * self.shear / (3.0 * self.bulk + self.shear)
+    }
+
     /// `volume_ratio` θ > 0.
     #[must_use]
     #[inline]

@@ -2,15 +2,28 @@
 
 use super::Motion;
 
-/// Nodes moved alike.
+/// Nodes moved alike: what one `[[boundary]]` of a deck says.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Support {
+    /// What it is called in results.
+    pub name: String,
     /// The nodes.
     pub nodes: Vec<usize>,
     /// The axes along which they are prescribed: x, y, z.
     pub axes: [bool; 3],
     /// Where they are over time.
     pub motion: Motion,
+}
+
+impl Support {
+    /// Displacement of its first node, the one with the lowest number, at `time` along the axes that it prescribes, 0 along others.
+    #[must_use]
+    pub fn displacement(&self, time: f64, start: &[[f64; 3]]) -> [f64; 3] {
+        let Some(&node) = self.nodes.first() else { return [0.0; 3] };
+        let position = self.motion.position(time, start[node]);
+        let moved = |axis: usize| position[axis] - start[node][axis];
+        [0, 1, 2].map(|axis| if self.axes[axis] { moved(axis) } else { 0.0 })
+    }
 }
 
 /// Two supports move one node differently along one axis.
@@ -29,63 +42,101 @@ pub struct Conflict {
 /// The prescribed degrees of freedom of a model.
 #[derive(Clone, Debug, PartialEq, Default)]
 pub struct Supports {
-    supports: Vec<Support>,
-    /// Of each node and axis the motion.
-    of_node: Vec<[Option<usize>; 3]>,
+    groups: Vec<Support>,
+    /// The group that prescribes each degree of freedom, 3·node + axis.
+    group_of: Vec<Option<u32>>,
 }
 
 impl Supports {
-    /// The supports of a model of `node_count` nodes, all of which are in range. Where two prescribe one node along one
-    /// axis they have to agree.
+    /// The supports of a model of so many nodes, all of which are in range. Where two prescribe one node along one axis they have to
+    /// agree, and the degree of freedom belongs to the first.
     ///
     /// # Errors
     /// The first [`Conflict`].
-    pub fn new(node_count: usize, supports: &[Support]) -> Result<Self, Conflict> {
-        let mut of_node = vec![[None; 3]; node_count];
-        for (second, support) in supports.iter().enumerate() {
-            for &node in &support.nodes {
-                for axis in (0..3).filter(|&axis| support.axes[axis]) {
-                    let motion = *of_node[node][axis].get_or_insert(second);
-                    if !supports[motion].motion.agrees(&support.motion, axis) {
-                        return Err(Conflict { node, axis, first: motion, second });
+    pub fn new(nodes: usize, groups: Vec<Support>) -> Result<Self, Conflict> {
+        let mut group_of = vec![None; 3 * nodes];
+        for (second, group) in groups.iter().enumerate() {
+            for &node in &group.nodes {
+                for axis in (0..3).filter(|&axis| group.axes[axis]) {
+                    let first = *group_of[3 * node + axis].get_or_insert(second as u32) as usize;
+                    if !groups[first].motion.agrees(&group.motion, axis) {
+                        return Err(Conflict { node, axis, first, second });
                     }
                 }
             }
         }
-        Ok(Self { supports: supports.to_vec(), of_node })
+        Ok(Self { groups, group_of })
     }
 
-    /// The supports it was made of.
+    /// The supports it was made of, in the order of the deck.
     #[must_use]
-    pub fn supports(&self) -> &[Support] {
-        &self.supports
+    pub fn groups(&self) -> &[Support] {
+        &self.groups
     }
 
-    /// How a node moves along an axis (0 for x, 1 for y, 2 for z); `None` if it is free.
+    /// Whether a degree of freedom, 3·node + axis, is free.
     #[must_use]
-    pub fn motion(&self, node: usize, axis: usize) -> Option<&Motion> {
-        self.of_node[node][axis].map(|k| &self.supports[k].motion)
+    pub fn is_free(&self, freedom: usize) -> bool {
+        self.group_of[freedom].is_none()
     }
 
-    /// The prescribed degrees of freedom as node and axis, ascending.
-    pub fn prescribed(&self) -> impl Iterator<Item = (usize, usize)> + '_ {
-        let axes = |(node, of_axis): (usize, &[Option<usize>; 3])| {
-            let of_axis = *of_axis;
-            (0..3).filter(move |&axis| of_axis[axis].is_some()).map(move |axis| (node, axis))
+    /// The prescribed axes of each node.
+    #[must_use]
+    pub fn prescribed(&self) -> Vec<[bool; 3]> {
+        self.group_of.as_chunks::<3>().0.iter().map(|axes| axes.map(|group| group.is_some())).collect()
+    }
+
+    /// The axes along which each node is held where it is.
+    #[must_use]
+    pub fn at_rest(&self) -> Vec<[bool; 3]> {
+        let rests = |(axis, group): (usize, &Option<u32>)| {
+            group.is_some_and(|group| self.groups[group as usize].motion.rests_along(axis))
         };
-        self.of_node.iter().enumerate().flat_map(axes)
+        let of_node = |groups: &[Option<u32>; 3]| {
+            let mut axes = groups.iter().enumerate().map(rests);
+            std::array::from_fn(|_| axes.next().unwrap_or_default())
+        };
+        self.group_of.as_chunks::<3>().0.iter().map(of_node).collect()
     }
 
-    /// Moves the prescribed coordinates of `positions` to where they are at a time. `reference` has the positions at the
-    /// start; both have as many nodes as the model.
-    pub fn apply(&self, time: f64, reference: &[[f64; 3]], positions: &mut [[f64; 3]]) {
-        for (node, of_axis) in self.of_node.iter().enumerate() {
-            for axis in 0..3 {
-                if let Some(k) = of_axis[axis] {
-                    positions[node][axis] = self.supports[k].motion.position(time, reference[node])[axis];
-                }
+    /// Prescribed degrees of freedom and their coordinates at `time`; `start`: positions at the start.
+    pub fn targets<'a>(
+        &'a self,
+        time: f64,
+        start: &'a [[f64; 3]],
+    ) -> impl Iterator<Item = (usize, f64)> + 'a {
+        self.group_of.iter().enumerate().filter_map(move |(freedom, group)| {
+            let motion = &self.groups[(*group)? as usize].motion;
+            Some((freedom, motion.position(time, start[freedom / 3])[freedom % 3]))
+        })
+    }
+
+    /// Sum of `forces`, three per node, over the degrees of freedom that belong to a group.
+    #[must_use]
+    pub fn sum(&self, group: usize, forces: &[f64]) -> [f64; 3] {
+        let mut sum = [0.0; 3];
+        for (freedom, of) in self.group_of.iter().enumerate() {
+            if *of == Some(group as u32) {
+                sum[freedom % 3] += forces[freedom];
             }
         }
+        sum
+    }
+
+    /// Moment about a point of `forces`, three per node, over the degrees of freedom that belong to a group: Σ (x − point) × f.
+    #[must_use]
+    pub fn moment(&self, group: usize, forces: &[f64], positions: &[[f64; 3]], point: [f64; 3]) -> [f64; 3] {
+        let mut sum = [0.0; 3];
+        let nodes = self.group_of.as_chunks::<3>().0.iter().zip(forces.as_chunks::<3>().0).zip(positions);
+        for ((of, force), position) in nodes {
+            let own = |axis: usize| if of[axis] == Some(group as u32) { force[axis] } else { 0.0 };
+            let arm = |axis: usize| position[axis] - point[axis];
+            for (axis, sum) in sum.iter_mut().enumerate() {
+                let (next, last) = ((axis + 1) % 3, (axis + 2) % 3);
+                *sum += arm(next) * own(last) - arm(last) * own(next);
+            }
+        }
+        sum
     }
 }
 
@@ -96,29 +147,33 @@ mod tests {
 
     fn moved(nodes: &[usize], axes: [bool; 3], translation: [f64; 3]) -> Support {
         let motion = Motion { translation, amplitude: Amplitude::ramp(1.0), rotation: None };
-        Support { nodes: nodes.to_vec(), axes, motion }
+        Support { name: "moved".to_owned(), nodes: nodes.to_vec(), axes, motion }
+    }
+
+    fn fixed(nodes: &[usize], axes: [bool; 3]) -> Support {
+        Support { name: "fixed".to_owned(), nodes: nodes.to_vec(), axes, motion: Motion::fixed() }
     }
 
     #[test]
     fn supports_share_nodes_where_they_agree() {
-        let fixed = Support { nodes: vec![0, 1], axes: [true, false, true], motion: Motion::fixed() };
+        let fixed = fixed(&[0, 1], [true, false, true]);
         let pressed = moved(&[1, 2], [true, true, false], [0.0, -3.0, 9.0]);
-        let supports = Supports::new(4, &[fixed, pressed]).unwrap();
-        let prescribed: Vec<_> = supports.prescribed().collect();
-        assert_eq!(prescribed, [(0, 0), (0, 2), (1, 0), (1, 1), (1, 2), (2, 0), (2, 1)]);
-
-        let reference = [[1.0; 3]; 4];
-        let mut positions = [[5.0; 3]; 4];
-        supports.apply(0.5, &reference, &mut positions);
-        assert_eq!(positions, [[1.0, 5.0, 1.0], [1.0, -0.5, 1.0], [1.0, -0.5, 5.0], [5.0; 3]]);
-        assert!(supports.motion(3, 0).is_none());
+        let supports = Supports::new(4, vec![fixed, pressed]).unwrap();
+        let prescribed = [[true, false, true], [true, true, true], [true, true, false], [false; 3]];
+        assert_eq!(supports.prescribed(), prescribed);
+        assert!(supports.is_free(1) && !supports.is_free(2));
+        let targets: Vec<_> = supports.targets(0.5, &[[1.0; 3]; 4]).collect();
+        assert_eq!(targets, [(0, 1.0), (2, 1.0), (3, 1.0), (4, -0.5), (5, 1.0), (6, 1.0), (7, -0.5)]);
+        // What both prescribe belongs to the first.
+        let forces: Vec<f64> = (0..12).map(f64::from).collect();
+        assert_eq!(supports.sum(0, &forces), [3.0, 0.0, 7.0]);
+        assert_eq!(supports.sum(1, &forces), [6.0, 11.0, 0.0]);
     }
 
     #[test]
     fn a_conflict_names_node_and_axis() {
         let pressed = moved(&[1, 2], [false, true, false], [0.0, -3.0, 0.0]);
-        let fixed = Support { nodes: vec![0, 2], axes: [true; 3], motion: Motion::fixed() };
-        let conflict = Supports::new(3, &[pressed, fixed]).unwrap_err();
+        let conflict = Supports::new(3, vec![pressed, fixed(&[0, 2], [true; 3])]).unwrap_err();
         assert_eq!(conflict, Conflict { node: 2, axis: 1, first: 0, second: 1 });
     }
 }

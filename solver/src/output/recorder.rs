@@ -182,6 +182,9 @@ impl<'a> Recorder<'a> {
         (recorder.pending, recorder.carried) = (pending, carried);
         (recorder.vanished, recorder.fallbacks, recorder.beginnings) = (vanished, fallbacks, beginnings);
         picture::write_series(&recorder.directory, &recorder.series)?;
+        if recorder.directory.path(names::POINTS).exists() {
+            recorder.write_point_series()?;
+        }
         let penetrations = history.rows.iter().map(|row| history.value(row, "max_penetration"));
         recorder.max_penetration_ever = penetrations.fold(0.0, f64::max);
         let sum = |column: &str| history.rows.iter().map(|row| history.value(row, column) as usize).sum();
@@ -373,10 +376,13 @@ impl<'a> Recorder<'a> {
         if points::write(&self.directory, record.number, problem)? {
             self.point_series.retain(|&(known, _)| known < record.number);
             self.point_series.push((record.number, record.time));
-            let list = &self.point_series;
-            picture::write_list(&self.directory, names::POINT_SERIES, list, points::name)?;
+            self.write_point_series()?;
         }
         Ok(())
+    }
+
+    fn write_point_series(&self) -> Result<(), OutputError> {
+        picture::write_list(&self.directory, names::POINT_SERIES, &self.point_series, points::name)
     }
 
     fn write_increment(

@@ -8,14 +8,14 @@
 mod shown;
 mod surface;
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 use std::path::{Path, PathBuf};
 
 use diffuse_contact_mesh::names::shown;
 use serde::Serialize;
 
-pub use surface::{SurfaceSample, sample_surfaces};
+pub use surface::{Master, SurfaceSample, sample_surfaces};
 
 use shown::{Frame, Surface};
 
@@ -99,13 +99,40 @@ fn escaped(text: &str) -> String {
 
 /// Runs of the same element are told apart by their directories.
 fn name_apart(runs: &mut [Run], directories: &[&Path]) {
-    let elements: Vec<String> = runs.iter().map(|run| run.summary.element.clone()).collect();
-    for ((run, element), directory) in runs.iter_mut().zip(&elements).zip(directories) {
-        let repeated = elements.iter().filter(|other| *other == element).count() > 1;
-        let directory =
-            directory.file_name().map_or_else(String::new, |name| name.to_string_lossy().into_owned());
-        run.label = if repeated { format!("{element} ({directory})") } else { element.clone() };
+    let mut alike: BTreeMap<String, Vec<usize>> = BTreeMap::new();
+    for (k, run) in runs.iter().enumerate() {
+        alike.entry(run.summary.element.clone()).or_default().push(k);
     }
+    for (element, places) in alike {
+        let own: Vec<&Path> = places.iter().map(|&k| directories[k]).collect();
+        for (&k, end) in places.iter().zip(distinct_ends(&own)) {
+            runs[k].label = if own.len() > 1 { format!("{element} ({end})") } else { element.clone() };
+        }
+    }
+}
+
+/// The shortest ends of these paths by which they differ, with as many names each. What is there several times gets a number.
+fn distinct_ends(directories: &[&Path]) -> Vec<String> {
+    // The name of `.` is that of the directory it stands for.
+    let whole = |path: &&Path| path.canonicalize().unwrap_or_else(|_| path.to_path_buf());
+    let paths: Vec<PathBuf> = directories.iter().map(whole).collect();
+    let end = |path: &PathBuf, length: usize| {
+        let names: Vec<_> = path.components().collect();
+        let end: PathBuf = names[names.len().saturating_sub(length)..].iter().collect();
+        end.display().to_string()
+    };
+    let ends = |length: usize| paths.iter().map(|path| end(path, length)).collect::<Vec<_>>();
+    let count = |ends: &[String]| ends.iter().collect::<BTreeSet<_>>().len();
+    let longest = paths.iter().map(|path| path.components().count()).max().unwrap_or_default();
+    let most = count(&ends(longest));
+    let shortest = (1..longest).find(|&length| count(&ends(length)) == most).unwrap_or(longest);
+    let mut known: BTreeMap<String, usize> = BTreeMap::new();
+    let numbered = ends(shortest).into_iter().map(|end| {
+        let number = known.entry(end.clone()).or_default();
+        *number += 1;
+        if *number > 1 { format!("{end}, {number}") } else { end }
+    });
+    numbered.collect()
 }
 
 /// One of `runs` runs in a page.
@@ -235,5 +262,27 @@ fn read_frame(path: &Path, expected: usize) -> Result<SkinFrame, OutputError> {
             Err(inconsistent(path, format!("{found} values for the {expected} nodes of the skin")))
         }
         None => Ok(frame),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn directories_are_told_apart_by_their_ends() {
+        let here = std::env::current_dir().unwrap();
+        let here = here.file_name().unwrap().to_string_lossy().into_owned();
+        for (directories, expected) in [
+            (&["a/one", "a/two"][..], &["one", "two"][..]),
+            (&["a/out", "b/out"], &["a/out", "b/out"]),
+            (&["a/x/out", "b/x/out", "b/y/out"], &["a/x/out", "b/x/out", "b/y/out"]),
+            (&["a/out", "out"], &["a/out", "out"]),
+            (&["a/out", "a/out", "b"], &["out", "out, 2", "b"]),
+            (&[".", "a"], &[&here, "a"]),
+        ] {
+            let paths: Vec<&Path> = directories.iter().map(Path::new).collect();
+            assert_eq!(distinct_ends(&paths), expected, "{directories:?}");
+        }
     }
 }

@@ -2,7 +2,7 @@
 
 use diffuse_contact::Mode;
 use diffuse_contact::interface::{ContactElement, ContactInterface, InterfaceOptions};
-use diffuse_contact::surface::{Facet, MasterSurface};
+use diffuse_contact::surface::{Facet, MasterSurface, SymmetryPlane};
 use serde::{Deserialize, Serialize};
 
 /// Most samples along each edge of a facet.
@@ -39,19 +39,29 @@ impl SurfaceSample {
     }
 }
 
-/// Samples of each surface at `positions`: its name, its facets and the options of its interface, whose element is replaced by the
-/// diffuse one if it is another. Surfaces that have no contact interface are left out.
+/// A master surface to be sampled.
+#[derive(Clone, Debug)]
+pub struct Master<'a> {
+    /// What it is called.
+    pub name: String,
+    /// Its facets.
+    pub facets: Vec<Facet>,
+    /// Those of its interface. The element is replaced by the diffuse one if it is another.
+    pub options: InterfaceOptions,
+    /// Planes in which it goes on as its mirror image.
+    pub symmetry: &'a [SymmetryPlane],
+}
+
+/// Samples of each surface at `positions`, with the domains of influence that it has at the `start`. Surfaces that have no contact
+/// interface are left out.
 #[must_use]
-pub fn sample_surfaces<'a>(
-    surfaces: impl IntoIterator<Item = (&'a str, &'a [Facet], InterfaceOptions)>,
+pub fn sample_surfaces(
+    masters: &[Master<'_>],
+    start: &[[f64; 3]],
     positions: &[[f64; 3]],
 ) -> Vec<SurfaceSample> {
-    let surfaces: Vec<_> = surfaces.into_iter().collect();
-    let most = MOST_POINTS / surfaces.len().max(1);
-    surfaces
-        .into_iter()
-        .filter_map(|(name, facets, options)| sample(name, facets, options, positions, most))
-        .collect()
+    let most = MOST_POINTS / masters.len().max(1);
+    masters.iter().filter_map(|master| sample(master, start, positions, most)).collect()
 }
 
 /// Points on facets with `grid` samples along an edge.
@@ -86,12 +96,12 @@ fn flat_points(name: &str, facets: &[Facet], positions: &[[f64; 3]], most: usize
 }
 
 fn sample(
-    name: &str,
-    facets: &[Facet],
-    options: InterfaceOptions,
+    master: &Master<'_>,
+    start: &[[f64; 3]],
     positions: &[[f64; 3]],
     most: usize,
 ) -> Option<SurfaceSample> {
+    let Master { name, facets, options, symmetry } = master;
     let mut result = flat_points(name, facets, positions, most);
     if result.flat.is_empty() {
         return Some(result);
@@ -101,11 +111,15 @@ fn sample(
         diffuse => diffuse,
     };
     let options = options.with_element(element).with_areas(false).with_distance_limit(None);
-    let all: Vec<[f64; 3]> = positions.iter().chain(&result.flat).copied().collect();
-    let master = MasterSurface::new(positions, facets.to_vec()).ok()?;
-    let slaves = (positions.len()..all.len()).collect();
-    let mut interface = ContactInterface::new(master, slaves, &[], &all, options).ok()?;
-    interface.refresh_pairing(&all).ok()?;
+    let first = [start, &flat_points(name, facets, start, most).flat].concat();
+    let surface = MasterSurface::new(start, facets.clone()).ok()?;
+    let slaves = (start.len()..first.len()).collect();
+    let mut interface = ContactInterface::new(surface, slaves, &[], &first, options).ok()?;
+    if !symmetry.is_empty() {
+        // Rules without domains know no planes: beside the other element a deck may have both.
+        let _ = interface.set_symmetry(symmetry);
+    }
+    interface.refresh_pairing(&[positions, &result.flat].concat()).ok()?;
     let contacts = interface.evaluate(Mode::Value).ok()?;
     result.smooth = contacts
         .iter()
@@ -183,6 +197,56 @@ fn pairs(rows: usize, length: impl Fn(usize) -> usize) -> impl Iterator<Item = (
 mod tests {
     use super::*;
 
+    fn master(facets: Vec<Facet>, symmetry: &[SymmetryPlane]) -> Master<'_> {
+        Master { name: "master".to_owned(), facets, options: InterfaceOptions::default(), symmetry }
+    }
+
+    /// Nodes and facets of a sheet over −`columns` ≤ x ≤ `columns`, or its half at x ≥ 0, and 0 ≤ y ≤ 4, by where nodes are.
+    fn sheet(first: i32, columns: i32, place: impl Fn(f64, f64) -> [f64; 3]) -> (Vec<[f64; 3]>, Vec<Facet>) {
+        let rows = 4;
+        let along = || first..=columns;
+        let nodes = (0..=rows).flat_map(|j| along().map(move |i| (f64::from(i), f64::from(j))));
+        let width = (columns - first + 1) as usize;
+        let cells = pairs(rows as usize, |_| width - 1).map(|(j, i)| {
+            let corner = j * width + i;
+            Facet::Quadrilateral([corner, corner + 1, corner + width + 1, corner + width])
+        });
+        (nodes.map(|(x, y)| place(x, y)).collect(), cells.collect())
+    }
+
+    /// Half of a sheet that bends symmetrically is the half of the whole, with the domains of the start: a plane of symmetry is no border,
+    /// and stretching is no reason for other masters.
+    #[test]
+    fn half_of_a_symmetric_surface_is_that_of_the_whole() {
+        let flat = |x: f64, y: f64| [x, y, 0.0];
+        // Symmetric in x, stretched unevenly.
+        let bent = |x: f64, y: f64| [x * (1.0 + 0.15 * x * x), y, 0.3 * (0.8 * x).cos() + 0.05 * y * y];
+        let plane = [SymmetryPlane { point: [0.0; 3], normal: [1.0, 0.0, 0.0] }];
+        let (start, facets) = sheet(0, 4, flat);
+        let (now, _) = sheet(0, 4, bent);
+        let samples = |planes, start: &[[f64; 3]]| {
+            let mut found = sample_surfaces(&[master(facets.clone(), planes)], start, &now);
+            found.pop().unwrap()
+        };
+        let half = samples(&plane, &start);
+        let (whole_start, whole_facets) = sheet(-4, 4, flat);
+        let (whole_now, _) = sheet(-4, 4, bent);
+        let whole = sample_surfaces(&[master(whole_facets, &[])], &whole_start, &whole_now).pop().unwrap();
+        assert_eq!(half.grid, whole.grid);
+        let distance = |a: &[f64; 3], b: &[f64; 3]| (0..3).map(|i| (a[i] - b[i]).powi(2)).sum::<f64>().sqrt();
+        let off = |found: &SurfaceSample| {
+            let of = |(flat, smooth): (&[f64; 3], &[f64; 3])| {
+                let same = whole.flat.iter().position(|other| distance(flat, other) < 1e-12).unwrap();
+                distance(smooth, &whole.smooth[same])
+            };
+            found.flat.iter().zip(&found.smooth).map(of).fold(0.0, f64::max)
+        };
+        assert!(off(&half) < 1e-9, "{}", off(&half));
+        for other in [samples(&[], &start), samples(&plane, &now)] {
+            assert!(off(&other) > 1e-4, "{}", off(&other));
+        }
+    }
+
     /// Areas of the triangles, all in the plane of x and y.
     fn areas(sample: &SurfaceSample) -> impl Iterator<Item = f64> {
         sample.triangles.iter().map(|triangle| {
@@ -214,9 +278,7 @@ mod tests {
                 .map(|(j, i)| [node(i, j), node(i + 1, j), node(i + 1, j + 1), node(i, j + 1)])
                 .map(Facet::Quadrilateral)
                 .collect();
-            let [found] =
-                &sample_surfaces([("plane", &facets[..], InterfaceOptions::default())], &positions)[..]
-            else {
+            let [found] = &sample_surfaces(&[master(facets, &[])], &positions, &positions)[..] else {
                 panic!("one surface")
             };
             assert_eq!((found.grid, found.flat.len(), found.facets), (grid, points, cells * cells));

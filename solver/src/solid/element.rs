@@ -173,6 +173,11 @@ impl Element {
         Reference::of(self.kind(), matches!(self, Self::Incompatible(_)))
     }
 
+    /// Reference volume.
+    pub fn volume(&self) -> f64 {
+        each!(self, element => element.volume)
+    }
+
     /// Number of points of distortion.
     pub fn points(&self) -> usize {
         each!(self, element => element.distortion.weights.len())

@@ -31,8 +31,6 @@ pub use self::error::{ElementName, SolidError};
 pub use self::recovery::{NodalFields, PointFields, Recovery};
 pub use self::reference::{FacePoint, face_points};
 
-use diffuse_contact_mesh::ElementKind;
-
 use self::element::{Element, Results, Scratch, Step};
 use crate::material::{Law, PointState};
 use crate::model::Body;
@@ -186,15 +184,6 @@ impl Solid {
         self.elements.iter().map(Element::nodes)
     }
 
-    /// The kind of an element.
-    ///
-    /// # Panics
-    /// If there is no such element.
-    #[must_use]
-    pub fn kind(&self, element: usize) -> ElementKind {
-        self.elements[element].kind()
-    }
-
     /// The points of an element in lists of all points.
     ///
     /// # Panics
@@ -324,6 +313,22 @@ impl Solid {
             total += energy.map_err(|error| self.named(error))?;
         }
         Ok(total)
+    }
+
+    /// c E L h, force, with c = 5e-16: about what rounding of coordinates makes of the forces on a node. E is the largest modulus, L the
+    /// largest extent of the elements along an axis, h their mean size.
+    #[must_use]
+    pub fn rounding_of_forces(&self, positions: &[[f64; 3]]) -> f64 {
+        const ROUNDING: f64 = 5e-16;
+        let young = self.bodies.iter().map(|body| body.law.young_modulus()).fold(0.0, f64::max);
+        let extent = |axis: usize| {
+            let along = self.elements().flatten().map(|&node| positions[node][axis]);
+            let (low, high) = along.fold((f64::MAX, f64::MIN), |(low, high), x| (x.min(low), x.max(high)));
+            high - low
+        };
+        let extent = (0..3).map(extent).fold(0.0, f64::max);
+        let volume: f64 = self.elements.iter().map(Element::volume).sum();
+        ROUNDING * young * extent * (volume / self.len().max(1) as f64).cbrt()
     }
 
     fn check(&self, positions: &[[f64; 3]], committed: &[PointState]) -> Result<(), SolidError> {

@@ -139,8 +139,7 @@ impl<'a> Increment<'a> {
 
     /// The excess that is small enough.
     fn allowed(&self, balance: Balance) -> f64 {
-        let newton = self.settings.newton;
-        newton.tolerance * balance.scale + newton.absolute
+        self.settings.newton.tolerance * balance.scale + self.problem.negligible
     }
 
     /// Two rounds of two states that lead to each other: the first time a halved step follows, the second time there is no end to it.
@@ -225,6 +224,7 @@ impl<'a> Increment<'a> {
     fn extrapolate(&mut self) -> Result<Option<Balance>, Failure> {
         let committed = self.committed;
         let Some(past) = &committed.past else { return Ok(None) };
+        self.problem.excuse(&self.positions)?;
         let factor = (self.end - committed.time) / (committed.time - past.time);
         for (position, earlier) in self.positions.iter_mut().zip(&past.positions) {
             for axis in 0..3 {

@@ -26,7 +26,7 @@ pub struct Loose {
 pub enum RigidMotion {
     /// Along a direction of length 1.
     Translation([f64; 3]),
-    /// About an axis: a direction of length 1 through a point.
+    /// About an axis: a direction of length 1 through a point. Lengths have some five digits of the extent of the parts.
     Rotation {
         /// The direction.
         axis: [f64; 3],
@@ -52,13 +52,9 @@ impl Display for RigidMotion {
             Self::Translation(direction) => write!(f, "moving along {}", Direction(*direction)),
             Self::Rotation { axis, point, pitch } => {
                 // Without the sign of a zero.
-                let [x, y, z] = point.map(|x| (x * 1e4).round() / 1e4 + 0.0);
+                let [x, y, z] = point.map(|x| x + 0.0);
                 write!(f, "turning about {} through ({x}, {y}, {z})", Direction(*axis))?;
-                if *pitch != 0.0 {
-                    write!(f, " while moving along it by {pitch:.3} a radian")
-                } else {
-                    Ok(())
-                }
+                if *pitch != 0.0 { write!(f, " while moving along it by {pitch} a radian") } else { Ok(()) }
             }
         }
     }
@@ -208,9 +204,17 @@ impl RigidModes {
         }
         let point = self.centre + about.cross(&along) / about.norm_squared();
         let pitch = along.dot(&about) / about.norm_squared();
-        let pitch = if pitch.abs() < ROUNDING * extent { 0.0 } else { pitch };
-        RigidMotion::Rotation { axis: direction(about), point: point.into(), pitch }
+        let pitch = if pitch.abs() < ROUNDING * extent { 0.0 } else { rounded(pitch, extent) };
+        let point = [point.x, point.y, point.z].map(|x| rounded(x, extent));
+        RigidMotion::Rotation { axis: direction(about), point, pitch }
     }
+}
+
+/// To a ten-thousandth of the largest power of ten that is no more than `extent`, which is positive.
+fn rounded(x: f64, extent: f64) -> f64 {
+    let decimals = 4 - extent.log10().floor() as i32;
+    let power = 10_f64.powi(decimals.abs());
+    if decimals >= 0 { (x * power).round() / power } else { (x / power).round() * power }
 }
 
 /// Of length 1, without what is rounding.

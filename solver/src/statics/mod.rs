@@ -15,7 +15,8 @@
 //!
 //! **Convergence**: ‖max(0, |r| − ε |K| |x|)‖ ≤ tolerance · F + absolute, over the free degrees of freedom. ε |K| |x| is what rounding of
 //! the positions makes of each component of r, ε the machine's, so that no stiff part excuses a soft one; F is the largest of the norms of
-//! external forces, reactions and contact forces of the moment. The same rule holds for every element.
+//! external forces, reactions and contact forces of the moment. Contact of which slave and masters are all prescribed is no part of F: it
+//! moves nothing. The same rule holds for every element.
 //!
 //! **Linear solutions** of large problems are iterative, as accurate as Newton's method has use for: the residual may be 0.9 (r / r before)²
 //! of r, sizes without what [stiff contact takes up by itself](crate::system::Accuracy), by S. C. Eisenstat and H. F. Walker (SIAM Journal on Scientific Computing 17, 1996, 16–32), between bounds.
@@ -41,7 +42,6 @@ mod problem;
 mod settings;
 mod shown_time;
 mod sparse;
-mod supports;
 mod unloaded;
 
 pub use error::{Failure, StaticsError};
@@ -53,7 +53,6 @@ pub use pressure::Pressure;
 pub use problem::{Past, Problem, State};
 pub use settings::{Extrapolation, NewtonSettings, Settings, TimeSettings};
 pub use shown_time::ShownTime;
-pub use supports::{SupportGroup, SupportGroups};
 
 use increment::Increment;
 
@@ -84,6 +83,7 @@ impl Statics {
     /// [`StaticsError::Setting`], [`StaticsError::NoFactors`]; [`StaticsError::Contact`] where the tangent is no operator.
     pub fn new(mut problem: Problem, settings: Settings) -> Result<Self, StaticsError> {
         settings.check()?;
+        problem.neglect(settings.newton.absolute);
         problem.stabilise(settings.newton.stabilisation);
         match settings.newton.contact_tangent {
             ContactTangent::Assembled => problem.choose(settings.newton.linear_solver),

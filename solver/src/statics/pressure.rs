@@ -20,7 +20,7 @@ pub struct Pressure {
 impl Pressure {
     /// Adds the forces −p ∫ N_a n dA at `time`. `start`, `positions`: of all nodes.
     pub fn add_forces(&self, time: f64, start: &[[f64; 3]], positions: &[[f64; 3]], forces: &mut [f64]) {
-        let factor = self.value * self.amplitude.at(time);
+        let factor = self.at(time);
         let positions = if self.follower { positions } else { start };
         for face in &self.faces {
             for FacePoint { weight, functions } in face_points(face.len()) {
@@ -40,7 +40,7 @@ impl Pressure {
         if !self.follower {
             return;
         }
-        let factor = self.value * self.amplitude.at(time);
+        let factor = self.at(time);
         for face in &self.faces {
             for FacePoint { weight, functions } in face_points(face.len()) {
                 let [along, across] = tangents(face, functions, positions);
@@ -57,8 +57,7 @@ impl Pressure {
     }
 
     /// The force per area at `time`.
-    #[must_use]
-    pub fn at(&self, time: f64) -> f64 {
+    fn at(&self, time: f64) -> f64 {
         self.value * self.amplitude.at(time)
     }
 }

@@ -5,9 +5,10 @@ use std::time::Instant;
 use diffuse_contact::Mode;
 use serde::{Deserialize, Serialize};
 
-use super::{Failure, LinearEffort, Pressure, StaticsError, SupportGroups, Timing};
+use super::{Failure, LinearEffort, Pressure, StaticsError, Timing};
 use crate::contact::{ContactError, ContactSet, FrictionHistory, RefreshRule};
 use crate::material::PointState;
+use crate::model::Supports;
 use crate::solid::{Order, Solid, SolidResponse};
 use crate::system::{BlockMatrix, BlockPattern, Equations, LinearSolver, LinearSolverChoice};
 
@@ -55,7 +56,7 @@ pub struct Past {
 pub struct Problem {
     pub(super) start: Vec<[f64; 3]>,
     pub(super) solid: Solid,
-    pub(super) supports: SupportGroups,
+    pub(super) supports: Supports,
     pub(super) pressures: Vec<Pressure>,
     pub(super) contacts: ContactSet,
     pub(super) response: SolidResponse,
@@ -65,7 +66,11 @@ pub struct Problem {
     external: Vec<f64>,
     /// −Σ f_k N_k
     pub(super) contact: Vec<f64>,
+    /// The part of it that moves nothing.
+    held: Vec<f64>,
     active: usize,
+    /// Residual that is small enough whatever the forces are.
+    pub(super) negligible: f64,
     /// At the last evaluation.
     pub(super) balance: Balance,
     /// ε |K| |x|, what rounding of the positions makes of the residual, by the last stiffness of the increment; empty before it.
@@ -98,7 +103,7 @@ pub struct Problem {
 pub(super) struct Balance {
     /// ‖r‖ over the free degrees of freedom.
     pub residual: f64,
-    /// The largest of the norms of external forces, reactions and contact forces.
+    /// The largest of the norms of external forces, reactions and contact forces; without contact that can move nothing.
     pub scale: f64,
     /// ‖max(0, |r| − ε |K| |x|)‖ over the free degrees of freedom: what rounding of the positions does not explain. Before the
     /// increment's first linear solution it is all of the residual.
@@ -119,7 +124,7 @@ impl Problem {
     pub fn new(
         start: Vec<[f64; 3]>,
         solid: Solid,
-        supports: SupportGroups,
+        supports: Supports,
         pressures: Vec<Pressure>,
         mut contacts: ContactSet,
         threads: usize,
@@ -139,7 +144,9 @@ impl Problem {
             internal: vec![0.0; freedoms],
             external: vec![0.0; freedoms],
             contact: vec![0.0; freedoms],
+            held: vec![0.0; freedoms],
             active: 0,
+            negligible: 0.0,
             balance: Balance::default(),
             rounding: Vec::new(),
             supposed: 0,
@@ -232,7 +239,7 @@ impl Problem {
 
     /// The prescribed motions.
     #[must_use]
-    pub fn supports(&self) -> &SupportGroups {
+    pub fn supports(&self) -> &Supports {
         &self.supports
     }
 
@@ -252,6 +259,11 @@ impl Problem {
     /// the residual.
     pub fn imbalance(&self) -> impl Iterator<Item = f64> {
         self.internal.iter().zip(&self.external).zip(&self.contact).map(|((i, e), c)| i + c - e)
+    }
+
+    /// From here on residuals up to this one are none; by default up to what rounding makes of forces.
+    pub(super) fn neglect(&mut self, absolute: Option<f64>) {
+        self.negligible = absolute.unwrap_or_else(|| self.solid.rounding_of_forces(&self.start));
     }
 
     /// From here on this part of each diagonal entry is added to the stiffness.
@@ -295,6 +307,15 @@ impl Problem {
         Ok(())
     }
 
+    /// Excuses the slaves without an element at these positions, where the increment begins: a shorter one does not keep them.
+    pub(super) fn excuse(&mut self, positions: &[[f64; 3]]) -> Result<(), Failure> {
+        let begin = Instant::now();
+        self.contacts.evaluate(positions, Mode::Gradient).map_err(Failure::Contact)?;
+        self.contacts.excuse();
+        self.timing.contact += begin.elapsed();
+        Ok(())
+    }
+
     /// Whether there are slaves that are paired anew in every iteration.
     pub(super) fn pairs_in_iterations(&self) -> bool {
         let interactions = self.contacts.interactions();
@@ -335,6 +356,8 @@ impl Problem {
         }
         self.contact.fill(0.0);
         self.active = self.contacts.add_internal_forces(&mut self.contact).map_err(Failure::Contact)?;
+        self.held.fill(0.0);
+        self.contacts.add_held_forces(&mut self.held);
         self.timing.contact += solid.elapsed();
         self.balance = self.norms();
         Ok(self.balance)
@@ -343,7 +366,7 @@ impl Problem {
     fn norms(&self) -> Balance {
         let norm = |sum: f64| sum.sqrt();
         let (mut residual, mut excess, mut reaction) = (0.0, 0.0, 0.0);
-        for (freedom, force) in self.imbalance().enumerate() {
+        for (freedom, (force, held)) in self.imbalance().zip(&self.held).enumerate() {
             let square = force * force;
             if self.supports.is_free(freedom) {
                 residual += square;
@@ -353,11 +376,13 @@ impl Problem {
                     excess += (force.abs() - rounding).powi(2);
                 }
             } else {
-                reaction += square;
+                // Between prescribed nodes the deck's penetration makes any force.
+                reaction += (force - held).powi(2);
             }
         }
-        let squares = |forces: &[f64]| forces.iter().map(|force| force * force).sum::<f64>();
-        let scale = squares(&self.external).max(squares(&self.contact)).max(reaction);
+        let contact: f64 = self.contact.iter().zip(&self.held).map(|(all, held)| (all - held).powi(2)).sum();
+        let external: f64 = self.external.iter().map(|force| force * force).sum();
+        let scale = external.max(contact).max(reaction);
         Balance { residual: norm(residual), scale: norm(scale), excess: norm(excess) }
     }
 }

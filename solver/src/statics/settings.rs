@@ -63,8 +63,9 @@ impl Extrapolation {
 pub struct NewtonSettings {
     /// Residual relative to the forces, > 0.
     pub tolerance: f64,
-    /// Residual that is small enough whatever the forces are, force, ≥ 0.
-    pub absolute: f64,
+    /// Residual that is small enough whatever the forces are, force, ≥ 0. `None`: as large as
+    /// [rounding](crate::solid::Solid::rounding_of_forces) makes it, in whatever units.
+    pub absolute: Option<f64>,
     /// Most linear solutions in an increment, and in each round of an augmented Lagrangian; half as many more while steps are whole and
     /// bring the residual down.
     pub max_iterations: usize,
@@ -84,12 +85,12 @@ pub struct NewtonSettings {
 }
 
 impl Default for NewtonSettings {
-    /// 1e-6 of the forces or 1e-8, up to 20 iterations, 6 are few, with line search, without extrapolation and stabilisation; the linear
+    /// 1e-6 of the forces or their rounding, up to 20 iterations, 6 are few, with line search, without extrapolation and stabilisation; the linear
     /// solver by the size, the tangent of contact assembled.
     fn default() -> Self {
         Self {
             tolerance: 1e-6,
-            absolute: 1e-8,
+            absolute: None,
             max_iterations: 20,
             few_iterations: 6,
             line_search: true,
@@ -130,7 +131,7 @@ impl Settings {
             "at least 1 and finite",
         )?;
         within("time.cutback", time.cutback, time.cutback > 0.0 && time.cutback < 1.0, "between 0 and 1")?;
-        let absolute = newton.absolute;
+        let absolute = newton.absolute.unwrap_or_default();
         within(
             "newton.absolute",
             absolute,

@@ -44,8 +44,6 @@ pub enum Method {
 pub struct SolveReport {
     /// ‖b − K x‖ / ‖b‖ in the Euclidean norm.
     pub residual: f64,
-    /// Steps of iterative refinement, 0 to 2.
-    pub refinements: usize,
     /// The factorisation that was used: General for a symmetric matrix if the other was not good enough.
     pub method: Method,
 }
@@ -161,7 +159,7 @@ impl DirectSolver {
         let Some(mut method) = self.current else { return Err(SystemError::NotFactorised) };
         if self.rhs.is_empty() {
             structure.equations.scatter(&[], solution);
-            return Ok(SolveReport { residual: 0.0, refinements: 0, method });
+            return Ok(SolveReport { residual: 0.0, method });
         }
         let mut report = self.solve_refined(method)?;
         if method == Method::Symmetric && !(report.residual <= ACCEPTABLE) {
@@ -245,12 +243,11 @@ impl DirectSolver {
         self.solution.clear();
         self.solution.resize(self.rhs.len(), 0.0);
         if scale == 0.0 {
-            return Ok(SolveReport { residual: 0.0, refinements: 0, method });
+            return Ok(SolveReport { residual: 0.0, method });
         }
         let mut best = f64::INFINITY;
-        let mut refinements = 0;
         self.residual.clone_from(&self.rhs);
-        for step in 0..=MAX_REFINEMENTS {
+        for _ in 0..=MAX_REFINEMENTS {
             match (method, &mut self.symmetric, &mut self.general) {
                 (Method::Symmetric, Some(factor), _) => factor.solve(&mut self.residual, par),
                 (Method::General, _, Some(factor)) => factor.solve(&mut self.residual, par),
@@ -267,13 +264,12 @@ impl DirectSolver {
                 break;
             }
             best = residual;
-            refinements = step;
             std::mem::swap(&mut self.solution, &mut self.candidate);
             if residual <= REFINED {
                 break;
             }
         }
-        Ok(SolveReport { residual: best, refinements, method })
+        Ok(SolveReport { residual: best, method })
     }
 
     /// ‖K‖ ‖x‖ / ‖b‖, a lower bound of the condition if K x = b.

@@ -23,7 +23,7 @@ pub struct Snapshot<'a> {
 
 impl Snapshot<'_> {
     /// Moment about a point of the forces that the support of this name exerts, force times length: Σ (x − point) × f. The name is that of
-    /// [`SupportGroup`](crate::statics::SupportGroup): the node sets of a `[[boundary]]`, with `+` between them. `None`: there is no such
+    /// [`Support`](crate::model::Support): the node sets of a `[[boundary]]`, with `+` between them. `None`: there is no such
     /// support.
     #[must_use]
     pub fn moment(&self, support: &str, point: [f64; 3]) -> Option<[f64; 3]> {

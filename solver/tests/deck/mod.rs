@@ -101,7 +101,7 @@ fn a_deck_is_read_with_its_defaults() {
     assert_eq!(deck.pressures[0].amplitude.at(0.25), 0.25);
     assert_eq!(times(&deck.time), [1.0, 0.25, 0.25 / 1024.0, 0.25, 1.5, 0.5]);
     let NewtonSettings { tolerance, absolute, max_iterations, few_iterations, .. } = deck.newton;
-    assert_eq!((tolerance, absolute, max_iterations, few_iterations), (1e-6, 1e-8, 20, 6));
+    assert_eq!((tolerance, absolute, max_iterations, few_iterations), (1e-6, None, 20, 6));
     assert_eq!(choices(&deck.newton), (true, Extrapolation::None, 0.0, LinearSolverChoice::Auto));
     let fixed = Deck::parse(&changed("increment = 0.25", "increment = 0.25\nfixed = true")).unwrap().time;
     assert_eq!(times(&fixed), [1.0, 0.25, 0.25, 0.25, 1.0, 0.5]);
@@ -119,9 +119,9 @@ fn a_deck_is_read_with_its_defaults() {
     assert_eq!((model.nodes.len(), model.bodies.len()), (27 + 16, 1));
     assert_eq!(model.nodes[27], [-1.0, -1.0, -0.1]);
     let supports = deck.supports(&model).unwrap();
-    assert_eq!(supports.prescribed().count(), 16 * 3 + 9 * 2);
+    assert_eq!(supports.prescribed().into_iter().flatten().filter(|&axis| axis).count(), 16 * 3 + 9 * 2);
     let sides = deck.sides(&model, interface).unwrap();
-    assert_eq!((sides.master.len(), sides.slave.len(), sides.slave_nodes().len()), (9, 4, 9));
+    assert_eq!((sides.master.len(), sides.slave.len()), (9, 4));
     assert_eq!(deck.loads(&model).unwrap()[0].facets.len(), 4);
 }
 
@@ -208,7 +208,7 @@ fn every_field_is_taken() {
     );
     assert_eq!(times(&deck.time), [4.0, 0.5, 0.125, 1.0, 2.0, 0.25]);
     let NewtonSettings { tolerance, absolute, max_iterations, few_iterations, .. } = deck.newton;
-    assert_eq!((tolerance, absolute, max_iterations, few_iterations), (1e-8, 0.0, 11, 6));
+    assert_eq!((tolerance, absolute, max_iterations, few_iterations), (1e-8, Some(0.0), 11, 6));
     assert_eq!(choices(&deck.newton), (false, Extrapolation::Linear, 0.0, LinearSolverChoice::Auto));
     assert_eq!((deck.output.every, deck.output.stress, deck.output.colour), (3, false, Colour::Gap));
     assert_eq!(deck.pressures[0].amplitude.at(2.5), 2.5);

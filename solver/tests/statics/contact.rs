@@ -221,3 +221,40 @@ fn contacts_lost_in_the_shortest_increment_are_counted() {
     let lost: Vec<usize> = notes.increments.iter().map(|record| record.lost).collect();
     assert!(lost[..2] == [0, 0] && lost[2] > 0, "{lost:?} {:?}", notes.reasons);
 }
+
+/// What has no element as soon as it is paired is lost whatever the length of the increment, also if that is extrapolated.
+#[test]
+fn contacts_lost_at_pairing_cut_no_increment() {
+    // Hardly a fit is as regular as that: slaves have no element.
+    const NEVER: &str = r#"
+[[interface]]
+name = "never"
+master = "floor"
+slave = "block.z-"
+penalty = 500.0
+neighbours = { rule = "hull-layers", regularity = 0.99 }
+
+[time]
+increment = 0.25
+"#;
+    for extrapolation in ["none", "linear"] {
+        let more = format!("{NEVER}\n[newton]\nextrapolation = \"{extrapolation}\"");
+        let notes = Notes { stop_after: Some(2), ..Notes::default() };
+        let (_, state, mut statics) = attempt(LOADED, &more, notes);
+        let mut state = state.unwrap();
+        assert_eq!(state.past.is_some(), extrapolation == "linear");
+        let slaves = statics.problem().contacts().interactions()[1].slaves();
+        let failed = slaves.zip(0..).filter(|(slave, _)| slave.has_failed);
+        state.loaded[1] = failed.map(|(_, place)| place).collect();
+        let lost = state.loaded[1].len();
+        let mut notes = Notes { stop_after: Some(3), ..Notes::default() };
+        let end = statics.run(state, &mut notes).unwrap();
+        assert!(lost > 1, "{lost}");
+        assert_eq!(
+            (end.cutbacks, notes.increments[0].lost),
+            (0, lost),
+            "{extrapolation}: {:?}",
+            notes.reasons
+        );
+    }
+}

@@ -3,6 +3,7 @@
 mod amplitudes;
 mod contact;
 mod linear;
+mod scale;
 mod start;
 
 use std::path::Path;
@@ -207,7 +208,8 @@ fn an_increment_has_converged_when_the_rule_says_so() {
     let mut notes = Notes::default();
     let start = statics.problem().start();
     statics.run(start, &mut notes).unwrap();
-    let absolute = deck.newton.absolute;
+    let problem = statics.problem();
+    let absolute = problem.solid().rounding_of_forces(problem.start_positions());
     let converged = |record: &IterationRecord| {
         let scale = record.residual / record.relative.max(f64::MIN_POSITIVE);
         assert!((record.allowed - (1e-5 * scale + absolute)).abs() < 1e-12 * record.allowed);

@@ -243,6 +243,21 @@ fn pieces_of_a_part_are_told_apart() {
     assert_eq!(loose[0].parts, ["two, the piece of node 8"]);
 }
 
+/// Points are told in digits of the model, whatever its unit of length.
+#[test]
+fn axes_of_small_and_large_parts_are_told() {
+    for (edge, axis) in [("2e-5", "(0.00002, 0.00001, 0.00001)"), ("2e5", "(200000, 100000, 100000)")] {
+        let origin = edge.replace('2', "1");
+        let block = format!(
+            "[materials.m]\nyoung = 1.0\npoisson = 0.3\n[parts.block]\nshape = \"box\"\norigin = [{origin}, 0.0, 0.0]\n\
+             size = [{edge}, {edge}, {edge}]\ndivisions = [1, 1, 1]\nmaterial = \"m\"\n"
+        );
+        let (_, error, _) = fail(&block, TIME);
+        let text = format!("turning about x through {axis}");
+        assert!(error.to_string().contains(&text), "{error}");
+    }
+}
+
 /// A screw is told from a turn.
 #[test]
 fn a_screw_has_a_pitch() {
@@ -251,7 +266,7 @@ fn a_screw_has_a_pitch() {
     let screw = RigidMotion::Rotation { axis: [0.6, 0.0, 0.8], point: [0.5, 0.0, 0.0], pitch: 0.25 };
     assert_eq!(
         screw.to_string(),
-        "turning about (0.600, 0.000, 0.800) through (0.5, 0, 0) while moving along it by 0.250 a radian"
+        "turning about (0.600, 0.000, 0.800) through (0.5, 0, 0) while moving along it by 0.25 a radian"
     );
 }
 

@@ -66,8 +66,8 @@ pub struct NewtonSettings {
     /// Residual that is small enough whatever the forces are, force, ≥ 0. `None`: as large as
     /// [rounding](crate::solid::Solid::rounding_of_forces) makes it, in whatever units.
     pub absolute: Option<f64>,
-    /// Most linear solutions in an increment, and in each round of an augmented Lagrangian; half as many more while steps are whole and
-    /// bring the residual down.
+    /// Most linear solutions in an increment, and in each round of an augmented Lagrangian; half as many more while whole steps
+    /// bring the residual down, or three short ones to less than half.
     pub max_iterations: usize,
     /// An increment that takes at most so many, in each round of an augmented Lagrangian, lets the next one grow.
     pub few_iterations: usize,

@@ -171,9 +171,9 @@ class ContactInterface(FrictionHistory):
     """Slave nodes paired with a master surface.
 
     In a Newton iteration: ``refresh_pairing`` once an increment, then at each iteration ``follow``, ``evaluate``,
-    ``forces`` and ``tangent``, the last with ``adaptive_tangent``. Every slave has an outcome; an exception is for what the caller has to mend, and
-    leaves the interface as it was. (An evaluation that finds no memory leaves it without results.) Arrays given as
-    ``out`` are as they were, but if a sum overflows: they then hold anything.
+    ``forces`` and ``tangent``, the last with ``adaptive_tangent``. Every slave has an outcome; an exception is for
+    what the caller has to mend, and leaves the interface as it was. (An evaluation that finds no memory leaves it
+    without results.) Arrays given as ``out`` are as they were, but if a sum overflows: they then hold anything.
 
     Contact force of slave k, with ε_k = penalty × area_k and multiplier λ_k (0 if there are none)::
 

@@ -1,6 +1,6 @@
 //! The tangent as an operator.
 
-use runtime::assembly::TangentOperator;
+use runtime::assembly::{AssemblyError, TangentOperator};
 
 use crate::border::{self, disjoint, input, sums, target, wanted};
 use crate::interface::{dc_interface, with};
@@ -72,6 +72,24 @@ pub unsafe fn factors<'a>(
     unsafe { Ok((input("v", v, count)?, sums("product", product, count)?)) }
 }
 
+/// Adds what an operator makes of v.
+///
+/// # Safety
+/// The arrays have `count` entries each.
+unsafe fn add(
+    tangent: *mut dc_operator,
+    v: *const f64,
+    product: *mut f64,
+    count: usize,
+    work: impl Fn(&mut TangentOperator, &[f64], &mut [f64]) -> Result<(), AssemblyError> + Sync,
+) -> dc_status {
+    OPERATORS.call(tangent, |tangent| {
+        // SAFETY: as the caller promises.
+        let (v, product) = unsafe { factors(v, product, count)? };
+        Ok(threads::run(|| work(tangent, v, product))??)
+    })
+}
+
 /// Adds K v to `product`, one entry per equation, in parallel. It differs from the product of the assembled matrix by rounding, and does not
 /// depend on the number of threads, bit for bit.
 ///
@@ -86,11 +104,8 @@ pub unsafe extern "C" fn dc_operator_product(
     product: *mut f64,
     equation_count: usize,
 ) -> dc_status {
-    OPERATORS.call(tangent, |tangent| {
-        // SAFETY: as the caller promises.
-        let (v, product) = unsafe { factors(v, product, equation_count)? };
-        Ok(threads::run(|| tangent.add_product(v, product))??)
-    })
+    // SAFETY: as the caller promises.
+    unsafe { add(tangent, v, product, equation_count, TangentOperator::add_product) }
 }
 
 /// Adds K^T v to `product`, as dc_operator_product adds K v: for methods that need both where friction makes K unsymmetric.
@@ -104,11 +119,8 @@ pub unsafe extern "C" fn dc_operator_transposed_product(
     product: *mut f64,
     equation_count: usize,
 ) -> dc_status {
-    OPERATORS.call(tangent, |tangent| {
-        // SAFETY: as the caller promises.
-        let (v, product) = unsafe { factors(v, product, equation_count)? };
-        Ok(threads::run(|| tangent.add_transposed_product(v, product))??)
-    })
+    // SAFETY: as the caller promises.
+    unsafe { add(tangent, v, product, equation_count, TangentOperator::add_transposed_product) }
 }
 
 /// Adds the diagonal of K to `diagonal`, one entry per equation; failures as of dc_operator_product.

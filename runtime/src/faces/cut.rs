@@ -116,8 +116,8 @@ pub struct Cutting<'a> {
     pub limit: f64,
     /// How deep the face's points may lie below a facet, length; `None` if they do not touch it at all.
     pub depth: &'a dyn Fn(u32) -> Option<f64>,
-    /// Whether the face may not look through a facet that it sees from behind: it is no part of the surface.
-    pub sees_backs: bool,
+    /// Whether facets that look the way the face does hide what lies behind them. Not where the face is a facet itself.
+    pub hides_behind: bool,
 }
 
 /// The points of a face, appended to `points`. `first`: the face in the first configuration; `functions`: what its nodes have of a force
@@ -127,7 +127,7 @@ pub fn cut(
     first: &Shape,
     functions: impl Fn([f64; 2]) -> Option<[f64; MOST_NODES]>,
     index: &SurfaceIndex<'_>,
-    Cutting { rule, limit, depth, sees_backs }: Cutting<'_>,
+    Cutting { rule, limit, depth, hides_behind }: Cutting<'_>,
     scratch: &mut CutScratch,
     points: &mut Vec<FacePoint>,
 ) -> usize {
@@ -143,18 +143,16 @@ pub fn cut(
     let (mut seen, mut unplaced) = (Vec::new(), 0);
     for &facet in near.iter() {
         let cosine = index.normals()[facet as usize].dot(&view.normal);
-        let deepest = match cosine {
-            cosine if cosine <= OPPOSITE => depth(facet),
-            cosine if cosine < -OPPOSITE || !sees_backs => continue,
-            _ => None,
-        };
-        if deepest.is_none() && cosine <= OPPOSITE {
+        let faces_it = cosine <= OPPOSITE;
+        let deepest = if faces_it { depth(facet) } else { None };
+        let hides = hides_behind && cosine >= -OPPOSITE;
+        if deepest.is_none() && !hides {
             continue;
         }
         let shape = index.shape(facet);
         piece.clone_from(&corners);
         let mut over: Polygon = shape.corners().iter().map(|&x| view.seen(x)).collect();
-        if cosine <= OPPOSITE {
+        if faces_it {
             // From outside its own surface it runs the other way round.
             over.reverse();
         }
@@ -458,7 +456,7 @@ mod tests {
             let mut points = Vec::new();
             let anywhere = |_| Some(f64::INFINITY);
             let everywhere = |_| rule;
-            let within = |limit| Cutting { rule: &everywhere, limit, depth: &anywhere, sees_backs: true };
+            let within = |limit| Cutting { rule: &everywhere, limit, depth: &anywhere, hides_behind: true };
             cut(&face, &face, nothing, &index, within(0.5), &mut CutScratch::default(), &mut points);
             let sum: f64 = points.iter().map(|point| point.weight).sum();
             assert!((sum - face.area_vector().norm()).abs() < 1e-5, "{sum}");

@@ -368,7 +368,7 @@ impl FaceInterface {
             None => Some(f64::INFINITY),
         };
         let rule = |facet| self.carriers.rule((k, facet), self.options.rule);
-        let cutting = Cutting { rule: &rule, limit, depth: &depth, sees_backs: self.own.is_none() };
+        let cutting = Cutting { rule: &rule, limit, depth: &depth, hides_behind: self.own.is_none() };
         let mut points = Vec::new();
         let unplaced = cut(&face, &first, functions, index, cutting, scratch, &mut points);
         let carrying = |point: &FacePoint| &self.carriers.facets[point.facet as usize];

@@ -394,9 +394,7 @@ impl Refresh<'_> {
         let complete_within = 0.5 * SKIN * shortest * self.squeezed(nodal, facet);
         Ok(Record { support_radius: shortest, basis, fallback, facet, complete_within })
     }
-}
 
-impl Refresh<'_> {
     /// By how much the shortest edge of a facet has become shorter, a factor of at most 1: domains, and the skin around them, lie in the
     /// first configuration, where a slave's place moves by as much more.
     fn squeezed(&self, nodal: &Nodal, facet: u32) -> f64 {

@@ -232,9 +232,10 @@ class Contact:
         self.nodes = Nodes(blocks, first_of_all, self.vector, self.exchange)
         self.owners = np.concatenate([owners, self.slave_owners])
         self.start = self.watched(u)
+        # Ranks without a window take part, too: others may need nodes of theirs.
+        positions = self.nodes.positions(u)
         if self.window is not None:
             # Slaves where they were in the beginning: areas are those of the first configuration.
-            positions = self.nodes.positions(u)
             made = np.vstack([positions[: len(first)], self.slave_nodes.first])
             self.interface = dc.ContactInterface.in_window(
                 self.window,
@@ -313,9 +314,9 @@ class Contact:
 
     def gaps(self) -> list[Gap]:
         """The gaps of the slaves that carry force, after an evaluation for tangents."""
+        free = 1.0 - self.nodes.bring(self.held).reshape(-1, 3)
         if self.interface is None:
             return []
-        free = 1.0 - self.nodes.bring(self.held).reshape(-1, 3)
         normal = self.law["penalty"]
         found = []
         for k in np.flatnonzero(self.interface.normal_forces(normal) > 0.0).tolist():

@@ -121,8 +121,9 @@ class FaceContact:
         self.nodes = Nodes(blocks, np.concatenate(first), self.vector, self.exchange)
         self.first_slave = len(first[0])
         self.interface = None
+        # Ranks without windows take part, too: others may need nodes of theirs.
+        positions = self.nodes.positions(u)
         if all(window is not None for window in self.windows):
-            positions = self.nodes.positions(u)
             self.interface = dc.FaceInterface.in_window(*self.windows, positions, distance_limit=self.limit)
             at = positions[self.interface.slaves]
             self.needed = meets(np.stack([at, at], axis=1)[:, np.newaxis], near).any(axis=1)
@@ -197,8 +198,8 @@ class FaceContact:
         cuts = self.cut_at is None or moved(self.cut_at) > HELD * self.smallest
         if cuts:
             self.cut_at = watched
+        positions = self.nodes.positions(u)
         if self.interface is not None:
-            positions = self.nodes.positions(u)
             (self.interface.refresh if cuts else self.interface.update)(positions)
 
     def accept(self, u: PETSc.Vec) -> None:

@@ -41,7 +41,7 @@ from surfaces import input_numbers
 
 import diffuse_contact as dc
 
-PENALTY, LIMIT, SKIN = 2e4, 0.6, 0.4
+PENALTY, LIMIT = 2e4, 0.6
 PRESS, SLIDE = np.array([0.1, 0.0, -0.1]), np.array([0.3, 0.0, 0.0])
 
 
@@ -238,8 +238,8 @@ def problem_of(domain: mesh.Mesh, arguments: argparse.Namespace) -> tuple[Proble
     conditions = [fem.dirichletbc(np.zeros(3), bottom, space), fem.dirichletbc(plate, top, space)]
     law = {
         "penalty": arguments.penalty,
-        "limit": LIMIT / arguments.fine,
-        "skin": SKIN / arguments.fine,
+        "limit": arguments.limit / arguments.fine,
+        "skin": 2 / 3 * arguments.limit / arguments.fine,
         "friction": arguments.friction,
     }
     of = FaceContact if arguments.integration == "faces" else Contact
@@ -339,6 +339,7 @@ def main() -> None:
         "--friction", type=float, help="coefficient; the module has to be built with its feature friction"
     )
     parser.add_argument("--penalty", type=float, default=PENALTY, help="force per length³")
+    parser.add_argument("--limit", type=float, default=LIMIT, help="no contact beyond this, length times --fine")
     parser.add_argument("--lower", type=float, default=0.0, help="the block before the first increment, length")
     parser.add_argument("--way", type=float, default=1.0, help="of the plate in an increment, over that of the problem")
     parser.add_argument("--press", type=int, default=4, help="increments down and along x")

@@ -52,7 +52,8 @@ def run(tmp_path_factory, mesh):
     @functools.cache
     def results(ranks, partitioner="dolfinx", *options):
         folder = tmp_path_factory.mktemp("dolfinx")
-        fine = int(options[1]) if options[:1] == ("--fine",) else 1
+        named = dict(zip(options[::2], options[1::2], strict=True))
+        fine, limit = int(named.get("--fine", 1)), float(named.get("--limit", LIMIT))
         file, nodes, cells = mesh(fine)
         # With -m mpi4py a rank that raises ends the others, which would wait for it.
         program = [sys.executable, "-m", "mpi4py", HERE / "press.py", file, "--results", folder]
@@ -63,7 +64,7 @@ def run(tmp_path_factory, mesh):
             pytest.skip("the module was built without friction")
         assert done.returncode == 0, done.stderr
         parts = [pickle.loads((folder / f"{rank}.pickle").read_bytes()) for rank in range(ranks)]
-        return json.loads(done.stdout.splitlines()[-1]), Results(parts, nodes, cells, LIMIT / fine)
+        return json.loads(done.stdout.splitlines()[-1]), Results(parts, nodes, cells, limit / fine)
 
     return results
 
@@ -81,7 +82,8 @@ class Results:
         self.slaves, order = np.unique(slaves, return_index=True)
         assert len(self.slaves) == len(slaves)
         self.forces = np.concatenate([part["slave_forces"] for part in parts])[order]
-        contacts = [contact for part in parts for contact in part["contacts"]]
+        # A rank without an interface has none to tell of.
+        contacts = [contact for part in parts for contact in part["contacts"] or [None] * len(part["slaves"])]
         self.contacts = [contacts[k] for k in order]
 
     def compare_with_the_whole(self):
@@ -97,8 +99,12 @@ class Results:
         interface.refresh_pairing(self.first + self.displacements)
         interface.evaluate("hessian")
         touching = 0
-        for k, (outcome, masters, area, gap, gradient, hessian) in enumerate(self.contacts):
+        for k, found in enumerate(self.contacts):
             expected = interface.contact(k)
+            if found is None:
+                assert expected.outcome == "too-far"
+                continue
+            outcome, masters, area, gap, gradient, hessian = found
             assert (outcome, area) == (expected.outcome, expected.area)
             if outcome != "contact":
                 continue
@@ -176,6 +182,34 @@ def test_ranks_make_no_difference(run, ranks, partitioner, press):
     assert max(result["slaves_of_ranks"]) - min(result["slaves_of_ranks"]) <= 1
     assert found.compare_with_the_whole() == expected.compare_with_the_whole() >= 25
     assert_same((result, found), (one, expected))
+
+
+#: So near that the slaves at the ends of the block have nothing below them.
+NARROW = ("--limit", "0.03")
+
+
+def test_a_rank_without_a_window_serves_the_others(run):
+    lowered = (*NARROW, "--press", "0", "--lower", "0.01")
+    one, expected = run(1, "dolfinx", *lowered)
+    result, found = run(12, "strips", *lowered)
+    assert min(result["masters_of_ranks"]) == 0 < max(result["masters_of_ranks"])
+    assert found.compare_with_the_whole() == expected.compare_with_the_whole() > 0
+    # Slaves whose contact begins later have a history then, and gaps are asked of all ranks.
+    pressed = (*NARROW, "--press", "2", "--way", "0.2", "--friction", "0.2")
+    one, expected = run(1, "dolfinx", *pressed)
+    result, found = run(12, "strips", *pressed, "--linear", "gamg", "--tangent", "operator")
+    assert one["force"][0] == pytest.approx(result["force"][0], rel=1e-8)
+    assert np.abs(found.displacements - expected.displacements).max() < 1e-9
+
+
+def test_a_rank_without_a_window_serves_faces(run):
+    options = ("--fine", "8", *NARROW, "--integration", "faces", "--press", "0", "--lower", "0.001")
+    result, found = run(12, "strips", *options)
+    assert min(result["masters_of_ranks"]) == 0 < max(result["masters_of_ranks"])
+    gap, pressure = found.over_faces_of_the_whole()
+    ours = np.array([contact[:2] if contact else (np.nan, 0.0) for contact in found.contacts])
+    assert np.array_equal(ours[:, 0], gap, equal_nan=True)
+    assert np.array_equal(ours[:, 1], pressure)
 
 
 #: Of a facet that is sent: numbers, owners and positions of its corners.

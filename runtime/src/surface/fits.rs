@@ -8,10 +8,9 @@ use super::border::Creases;
 use super::conditioning::{Near, smallest_factor};
 use super::index::SurfaceIndex;
 use super::lists::list;
-use super::sheets::{CHUNK, Carried, Listed, Sheets};
+use super::sheets::{CHUNK, Carried, Found, Listed, Sheets};
 use super::symmetry::Symmetry;
 use super::topology::NONE;
-use super::walk::Walk;
 use crate::vector::Vector3;
 use crate::{Basis, MaterialDomain, Point, Weight};
 
@@ -47,10 +46,7 @@ pub(super) struct Centre {
 /// Memory of one thread.
 #[derive(Default)]
 pub(super) struct Scratch {
-    /// Whether what was found may depend on what is not there.
-    pub is_open: bool,
-    pub walk: Walk,
-    pub found: Vec<(u32, f64)>,
+    pub found: Found,
     /// The nodes around a facet, and their images, with their cells or domains.
     around: Vec<(u32, MaterialDomain)>,
     /// How far from the middle of the facet they were sought, and how far from there the outermost of them are that say how far a
@@ -71,7 +67,7 @@ impl Sheets<'_> {
             (0..surface.facet_count()).map(|_| AtomicU8::new(Carried::Quadratic as u8)).collect();
         let of_facet = |scratch: &mut Scratch, &facet: &u32| {
             let extent = self.index.shape(facet).extent();
-            scratch.is_open = false;
+            scratch.found.is_open = false;
             scratch.gather(self, (cells, facet), FIRST_REACH * extent);
             for centre in centres(self.index, self.creases, facet) {
                 let (factor, carried) = factor_at(self, (weight, basis), &centre, (cells, scratch));
@@ -84,7 +80,7 @@ impl Sheets<'_> {
                     bases[facet as usize].fetch_min(carried as u8, Ordering::Relaxed);
                 }
             }
-            scratch.is_open.then_some(facet)
+            scratch.found.is_open.then_some(facet)
         };
         let open: Vec<Option<u32>> =
             facets.par_iter().with_min_len(CHUNK).map_init(Scratch::default, of_facet).collect();
@@ -181,15 +177,12 @@ fn factor_at(
 impl Scratch {
     /// Gathers the nodes of the facet's sheet within reach of its middle, with their images.
     fn gather(&mut self, sheets: &Sheets<'_>, (cells, facet): (&[MaterialDomain], u32), reach: f64) {
-        let Sheets { index, creases, symmetry, .. } = *sheets;
-        let shape = index.shape(facet);
-        self.middle = shape.middle();
+        let symmetry = sheets.symmetry;
+        self.middle = sheets.index.shape(facet).middle();
         let from = Point::from(self.middle);
-        self.walk.start(index, facet, from);
-        self.walk.nodes_within(index, creases, reach, &mut self.found);
-        self.is_open |= sheets.is_open(&self.walk, &self.found);
+        sheets.find(&mut self.found, (facet, from), reach);
         self.around.clear();
-        for &(place, _) in &self.found {
+        for &(place, _) in &self.found.nodes {
             let domain = &cells[place as usize];
             self.around.push((place, *domain));
             symmetry.images_near(domain.position, from, reach, |image, _| {
@@ -206,7 +199,7 @@ impl Scratch {
         (domains, extents): (&[MaterialDomain], &[f64]),
         facet: u32,
     ) -> Vec<Listed> {
-        let listed = list(sheets, (domains, extents), facet, self);
+        let listed = list(sheets, (domains, extents), facet, &mut self.found);
         self.around.clear();
         self.around.extend(listed.iter().map(|own| {
             let domain = &domains[own.place as usize];

@@ -2,8 +2,7 @@
 
 use rayon::prelude::*;
 
-use super::fits::Scratch;
-use super::sheets::{CHUNK, Listed, Sheets};
+use super::sheets::{CHUNK, Found, Listed, Sheets};
 use super::topology::NONE;
 use crate::MaterialDomain;
 use crate::vector::Vector3;
@@ -19,9 +18,9 @@ impl Sheets<'_> {
         let lists: Vec<(Vec<Listed>, bool)> = facets
             .par_iter()
             .with_min_len(CHUNK)
-            .map_init(Scratch::default, |scratch, &facet| {
-                scratch.is_open = false;
-                (list(self, (domains, &extents), facet, scratch), scratch.is_open)
+            .map_init(Found::default, |found, &facet| {
+                found.is_open = false;
+                (list(self, (domains, &extents), facet, found), found.is_open)
             })
             .collect();
         let open = facets.iter().zip(&lists).filter(|(_, list)| list.1).map(|(facet, _)| *facet).collect();
@@ -34,11 +33,10 @@ pub(super) fn list(
     sheets: &Sheets<'_>,
     (domains, extents): (&[MaterialDomain], &[f64]),
     facet: u32,
-    scratch: &mut Scratch,
+    found: &mut Found,
 ) -> Vec<Listed> {
-    let Sheets { index, creases, symmetry, .. } = *sheets;
-    let Scratch { walk, found, is_open, .. } = scratch;
-    let shape = index.shape(facet);
+    let symmetry = sheets.symmetry;
+    let shape = sheets.index.shape(facet);
     let corners = shape.corners();
     let middle = shape.middle();
     let reaches = |domain: &MaterialDomain| {
@@ -51,10 +49,8 @@ pub(super) fn list(
     // A domain that reaches the facet from afar is long: walks go on while they meet such.
     let mut reach = shape.extent();
     loop {
-        walk.start(index, facet, middle.into());
-        walk.nodes_within(index, creases, reach, found);
-        *is_open |= sheets.is_open(walk, found);
-        let longest = found.iter().map(|&(place, _)| extents[place as usize]).fold(0.0, f64::max);
+        sheets.find(found, (facet, middle.into()), reach);
+        let longest = found.nodes.iter().map(|&(place, _)| extents[place as usize]).fold(0.0, f64::max);
         let needed = (1.0 + MARGIN) * longest + shape.extent();
         if needed <= reach {
             break;
@@ -62,7 +58,7 @@ pub(super) fn list(
         reach = needed;
     }
     let mut all = Vec::new();
-    for &(place, _) in &*found {
+    for &(place, _) in &found.nodes {
         let domain = &domains[place as usize];
         if reaches(domain) {
             all.push(Listed { place, image: NONE });

@@ -35,6 +35,7 @@ mod checks;
 mod conditioning;
 mod domains;
 mod error;
+mod extents;
 mod fits;
 mod index;
 mod lists;

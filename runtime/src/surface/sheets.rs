@@ -4,6 +4,7 @@ use super::border::Creases;
 use super::index::SurfaceIndex;
 use super::symmetry::Symmetry;
 use super::walk::Walk;
+use crate::Point;
 
 /// Centres that one thread works on in a row.
 pub(super) const CHUNK: usize = 64;
@@ -18,12 +19,25 @@ pub(crate) struct Sheets<'a> {
     pub complete: Option<&'a [bool]>,
 }
 
+/// Nodes of a sheet around a facet, in the memory of one thread.
+#[derive(Default)]
+pub(super) struct Found {
+    walk: Walk,
+    /// By place, with their distances.
+    pub nodes: Vec<(u32, f64)>,
+    /// Whether these may not be all, or not what they are: of any search since it was last set to `false`.
+    pub is_open: bool,
+}
+
 impl Sheets<'_> {
-    /// Whether nodes that a walk has found may not be all, or not what they are.
-    pub(super) fn is_open(&self, walk: &Walk, found: &[(u32, f64)]) -> bool {
-        self.complete.is_some_and(|complete| {
-            walk.met_cut() || found.iter().any(|&(place, _)| !complete[place as usize])
-        })
+    /// Finds the nodes of the facet's sheet within reach of a point of it.
+    pub(super) fn find(&self, found: &mut Found, (facet, from): (u32, Point), reach: f64) {
+        let Found { walk, nodes, is_open } = found;
+        walk.start(self.index, facet, from);
+        walk.nodes_within(self.index, self.creases, reach, nodes);
+        *is_open |= self.complete.is_some_and(|complete| {
+            walk.met_cut() || nodes.iter().any(|&(place, _)| !complete[place as usize])
+        });
     }
 }
 

@@ -1,7 +1,7 @@
 //! Symmetry planes: the master surface goes on beyond them as its own mirror image.
 
 use super::SurfaceError;
-use super::window::Extents;
+use super::extents::Extents;
 use crate::Point;
 use crate::vector::Vector3;
 

@@ -82,10 +82,10 @@ impl Sheets<'_> {
         let crowded = Marks::none(count);
         let extents: Vec<f64> = domains.par_iter().map(MaterialDomain::extent).collect();
         let of_facet = |scratch: &mut Scratch, &facet: &u32| {
-            scratch.is_open = false;
+            scratch.found.is_open = false;
             scratch.take_listed(self, (domains, &extents), facet);
             if !scratch.around().iter().any(|(node, _)| is_asked(*node as usize)) {
-                return scratch.is_open.then_some(facet);
+                return scratch.found.is_open.then_some(facet);
             }
             for place in places(self.index, self.creases, facet) {
                 scratch.look(&place, self.symmetry);
@@ -103,7 +103,7 @@ impl Sheets<'_> {
                     ratios[node.place as usize].fetch_max(asked.to_bits(), Ordering::Relaxed);
                 }
             }
-            scratch.is_open.then_some(facet)
+            scratch.found.is_open.then_some(facet)
         };
         let open: Vec<Option<u32>> =
             facets.par_iter().with_min_len(CHUNK).map_init(Scratch::default, of_facet).collect();

@@ -1,0 +1,44 @@
+//! How large a surface is.
+
+use super::index::SurfaceIndex;
+use crate::Point;
+
+/// How large a whole surface is in its first configuration. Of several parts they are [joined](Self::joined), in any order.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Extents {
+    /// Lowest coordinates of a node, length.
+    pub low: Point,
+    /// Highest coordinates, length.
+    pub high: Point,
+    /// Largest extent of a facet: of the coordinate differences of its corners from the first one, length.
+    pub facet: f64,
+}
+
+impl Extents {
+    /// Of nothing.
+    pub const NONE: Self = Self { low: [f64::INFINITY; 3], high: [f64::NEG_INFINITY; 3], facet: 0.0 };
+
+    /// Of a surface at these positions.
+    pub(crate) fn of(index: &SurfaceIndex<'_>) -> Self {
+        let mut all = Self::NONE;
+        for x in index.positions() {
+            for axis in 0..3 {
+                all.low[axis] = all.low[axis].min(x[axis]);
+                all.high[axis] = all.high[axis].max(x[axis]);
+            }
+        }
+        let facets = 0..index.surface().facet_count() as u32;
+        all.facet = facets.map(|facet| index.shape(facet).extent()).fold(0.0, f64::max);
+        all
+    }
+
+    /// Those of two parts together.
+    #[must_use]
+    pub fn joined(self, other: Self) -> Self {
+        Self {
+            low: [0, 1, 2].map(|axis| self.low[axis].min(other.low[axis])),
+            high: [0, 1, 2].map(|axis| self.high[axis].max(other.high[axis])),
+            facet: self.facet.max(other.facet),
+        }
+    }
+}

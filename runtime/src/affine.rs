@@ -95,7 +95,7 @@ impl AffinePoint {
         point
     }
 
-    /// (1 − t) of this point and t of the other one.
+    /// (1 − t) of this point and t of the other one, for a finite t. Of another one the point has no terms, and no position.
     #[must_use]
     pub fn towards(&self, other: &Self, t: f64) -> Self {
         Self::combined(&[(self, 1.0 - t), (other, t)])

@@ -7,7 +7,7 @@ use diffuse_contact_kernels::support::{
 use crate::kernels::{frame_rule, inputs, validate};
 use crate::scratch::recycled;
 use crate::weight::with_kernels;
-use crate::{ContactPoint, Element, ElementError, Generated, GeneratedWith, Mode, Weight};
+use crate::{ContactPoint, Domains, Element, ElementError, Generated, GeneratedWith, Mode, Weight};
 
 /// Room that batches use, kept from one to the next.
 #[derive(Debug, Default)]
@@ -162,7 +162,11 @@ impl KernelSets for Generated {
 
 impl<K: KernelSet> KernelSets for GeneratedWith<K> {
     fn prepare<'a>(&self, element: &Element<'a>) -> (Result<(), ElementError>, ElementInputs<'a>) {
-        (validate::<K>(element), inputs::<K>(element, [0.0; 2]))
+        let sound = validate::<K>(element);
+        // One that is not sound may have fewer domains than masters, of which a weight with a pole seeks the nearest one.
+        let domains = if sound.is_ok() { element.domains } else { Domains::Shared };
+        let inputs = inputs::<K>(&Element { domains, ..*element }, [0.0; 2]);
+        (sound, inputs)
     }
 
     fn run(

@@ -26,8 +26,8 @@ pub struct Element<'a> {
     pub masters: &'a [Point],
     /// Local frame (t1, t2, n̂); n̂ points to the outward side of the master surface.
     pub frame: Frame,
-    /// Radius R of the domain of influence around the slave, measured in the plane (t1, t2). With [`Domains::Each`] it is no
-    /// more than the length that offsets are divided by.
+    /// Radius R of the domain of influence around the slave, measured in the plane (t1, t2). With [`Domains::Each`] it is the length that
+    /// offsets are divided by, and still bounds the search for the foot: one farther away is [`ElementError::FootOutside`].
     pub support_radius: f64,
     /// Radii of the nodes' own domains of influence.
     pub domains: Domains<'a>,
@@ -85,6 +85,9 @@ impl<'a> Element<'a> {
 
     /// Index of the master node nearest to the slave in the plane (t1, t2), or in the first configuration, its distance over the radius of
     /// its domain; the first of several; 0 if there are none.
+    ///
+    /// # Panics
+    /// If there are fewer domains than masters.
     #[must_use]
     pub fn nearest_in_plane(&self) -> usize {
         if let Domains::Material(nodes) = self.domains {

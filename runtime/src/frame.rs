@@ -80,8 +80,8 @@ impl Frame {
             for (j, y) in rows[..=i].iter().enumerate() {
                 let product = x[0] * y[0] + x[1] * y[1] + x[2] * y[2];
                 let error = (product - f64::from(u8::from(i == j))).abs();
-                // Written so that a NaN comes through.
-                deviation = if error <= deviation { deviation } else { error };
+                // A NaN replaces a number, and no number replaces it.
+                deviation = if deviation.is_nan() || error <= deviation { deviation } else { error };
             }
         }
         if !(deviation <= ORTHONORMALITY_TOLERANCE && self.origin.iter().all(|x| x.is_finite())) {

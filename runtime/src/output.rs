@@ -145,13 +145,13 @@ impl Gap {
 
     /// Contact force of a penalty, −ε g N (Chamoret et al. 2008, eq. 33: R_c), on each node, 3(n+1) entries.
     ///
-    /// `penalty` is ε, force per length.
+    /// `penalty` is ε, force per length. Without N, in value mode, it is empty.
     #[must_use]
     pub fn contact_force(&self, penalty: f64) -> Vec<f64> {
         self.gradient.iter().map(|n| -penalty * self.gap * n).collect()
     }
 
-    /// Penalty tangent K_c = −∂R_c/∂x = ε (g M + N Nᵀ) (43), 3(n+1) square.
+    /// Penalty tangent K_c = −∂R_c/∂x = ε (g M + N Nᵀ) (43), 3(n+1) square. Without M, below Hessian mode, it is 0 × 0.
     #[must_use]
     pub fn tangent(&self, penalty: f64) -> SymmetricMatrix {
         let mut tangent = SymmetricMatrix::zeros(self.hessian.size());

@@ -10,6 +10,7 @@ mod co_moving;
 mod common;
 mod cutback;
 mod domains;
+mod elements;
 mod faces;
 mod foot;
 mod interface_facets;

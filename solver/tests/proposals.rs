@@ -46,6 +46,37 @@ fn planes_that_the_deck_does_not_name_are_proposed() {
     assert_eq!(ring.as_deref(), Some(beside));
 }
 
+/// A plane that no border lies in is a mistake, and no line proposes it again.
+#[test]
+fn a_plane_where_nothing_ends_is_named() {
+    let mut deck = example("pipe_pinch.toml");
+    let far = SymmetryPlane::across(2, [0.0, 0.0, -3.0]);
+    deck.interfaces[0].symmetry = vec![SymmetryPlane::across(1, [0.0; 3]), far];
+    let found = proposed(&deck).remove(0);
+    assert_eq!(found.symmetry.as_deref(), Some("symmetry = [\"y\", \"x\", \"z\"]"));
+    let plane = "{ point = [0.0, 0.0, -3.0], normal = [0.0, 0.0, 1.0] }";
+    assert_eq!(found.idle_planes, [plane]);
+    let warnings = found.warnings();
+    assert!(
+        warnings.iter().any(|warning| warning.contains("plate on pipe") && warning.contains(plane)),
+        "{warnings:?}"
+    );
+    deck.interfaces[0].symmetry = [0, 1, 2].map(|axis| SymmetryPlane::across(axis, [0.0; 3])).to_vec();
+    let found = proposed(&deck).remove(0);
+    assert!(found.idle_planes.is_empty() && found.crossed_planes.is_empty());
+    // The slave alone goes on beyond the plane.
+    let mut deck = stacked(SOFT, "", -0.5);
+    deck.interfaces[0].symmetry = vec![SymmetryPlane::across(0, [0.0; 3])];
+    let warnings = proposed(&deck)[0].warnings();
+    assert!(
+        warnings.iter().any(|warning| warning.contains("both sides of its plane of symmetry \"x\"")),
+        "{warnings:?}"
+    );
+}
+
+/// A floor that deforms.
+const SOFT: &str = "shape = \"box\"\nsize = [3.0, 2.0, 1.0]\ndivisions = [6, 4, 2]\nmaterial = \"soft\"";
+
 /// A block on a floor, from x = `origin` on. `side`: boundaries.
 fn stacked(floor: &str, side: &str, origin: f64) -> Deck {
     let text = format!(
@@ -80,7 +111,6 @@ increment = 1.0
 
 #[test]
 fn clamped_edges_and_rigid_floors_are_no_planes_of_symmetry() {
-    const SOFT: &str = "shape = \"box\"\nsize = [3.0, 2.0, 1.0]\ndivisions = [6, 4, 2]\nmaterial = \"soft\"";
     const RIGID: &str =
         "shape = \"rigid-plane\"\nsize = [3.0, 2.0]\ndivisions = [6, 4]\ntranslate = [0.0, 0.0, 1.0]";
     let held = |nodes: &str, axes: &str| format!("[[boundary]]\nnodes = [{nodes}]\nfix = [{axes}]\n");

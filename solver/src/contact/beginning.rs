@@ -3,7 +3,7 @@
 use diffuse_contact_mesh::names::shown;
 use serde::{Deserialize, Serialize};
 
-use super::proposal::symmetry_line;
+use super::proposal::{crossed_planes, idle_planes, symmetry_line};
 use super::{Fallbacks, Interaction};
 use crate::model::Model;
 use crate::statics::Problem;
@@ -37,6 +37,12 @@ pub struct Beginning {
     /// them.
     #[serde(default)]
     pub symmetry: Option<String>,
+    /// Planes of symmetry, as the deck has them, in which no surface of the interface ends.
+    #[serde(default)]
+    pub idle_planes: Vec<String>,
+    /// Those that its surfaces lie on both sides of.
+    #[serde(default)]
+    pub crossed_planes: Vec<String>,
 }
 
 impl Beginning {
@@ -67,6 +73,8 @@ impl Beginning {
             fallbacks: interaction.fallbacks(),
             straight: interaction.straight(),
             symmetry: symmetry_line(interaction, problem, &model.deformable()),
+            idle_planes: idle_planes(interaction, problem.start_positions()),
+            crossed_planes: crossed_planes(interaction, problem.start_positions()),
         }
     }
 
@@ -86,7 +94,7 @@ impl Beginning {
     /// What may be wrong with the start, in sentences.
     #[must_use]
     pub fn warnings(&self) -> Vec<String> {
-        let Self { interface, slaves, deep, fallbacks, straight, .. } = self;
+        let Self { interface, slaves, deep, fallbacks, straight, idle_planes, crossed_planes, .. } = self;
         let mut warnings = Vec::new();
         let mut warn = |count: &usize, what: &str| {
             if *count > 0 {
@@ -102,6 +110,17 @@ impl Beginning {
             straight,
             "edge middles or centres of the slave's faces are flat: its nodes carry no smooth surface of their own there",
         );
+        let mut of_planes = |planes: &[String], what: &str| {
+            let named = |plane: &String| {
+                format!(
+                    "interface `{}`: {what} its plane of symmetry {plane}: is it where the model ends?",
+                    shown(interface)
+                )
+            };
+            warnings.extend(planes.iter().map(named));
+        };
+        of_planes(idle_planes, "no edge of the master's or the slave's border lies in");
+        of_planes(crossed_planes, "the master or the slave lies on both sides of");
         warnings.extend(fallbacks.warnings(Fallbacks::default(), interface, *slaves));
         warnings
     }

@@ -354,6 +354,11 @@ impl Interaction {
         self.passes.iter().flat_map(move |pass| pass.lost(way))
     }
 
+    /// How many slaves carried force since the increment began, or right before it, and are beyond the master's border now.
+    pub fn left(&self) -> usize {
+        self.passes.iter().map(|pass| pass.left()).sum()
+    }
+
     /// As [`ContactSet::vanished`](super::ContactSet::vanished).
     pub(super) fn vanished(&self, way: Way<'_>) -> usize {
         if self.slaves().any(|slave| slave.force > 0.0) {

@@ -6,19 +6,21 @@ use diffuse_contact::surface::MasterSurface;
 use super::ContactError;
 use super::tracks::{Parted, Tracks, Way};
 
-/// Of each slave of a pass: whether it carried force in the increment on its way or right before it, and whether it may go
-/// without its element from there on.
+/// Of each slave of a pass: whether it carried force in the increment on its way or right before it, whether it was over the master when
+/// the increment began, and whether it may go without its element from there on.
 #[derive(Clone, Debug, Default)]
 pub struct Losses {
     /// Who carried force right before the increment.
     before: Vec<bool>,
     carried: Vec<bool>,
+    /// Who had an element when the increment began.
+    over: Vec<bool>,
     excused: Vec<bool>,
     /// Whether the slaves are the master's own nodes.
     is_own: bool,
 }
 
-/// A slave that carried force and has no contact, although it has not left its master.
+/// A slave that has no contact, although it carried force and has not left its master, or was over it and went through.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LostContact {
     /// The slave node.
@@ -29,7 +31,7 @@ pub struct LostContact {
     pub from_start: bool,
 }
 
-/// How a slave that carried force comes to have no contact.
+/// How a slave comes to have no contact.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum Loss {
     /// Its element has no result.
@@ -73,8 +75,10 @@ impl Losses {
             self.before[k as usize] = true;
         }
         self.carried.clone_from(&self.before);
-        self.excused.clear();
-        self.excused.resize(slaves, false);
+        for of_slaves in [&mut self.over, &mut self.excused] {
+            of_slaves.clear();
+            of_slaves.resize(slaves, false);
+        }
         Ok(())
     }
 
@@ -82,6 +86,13 @@ impl Losses {
     pub fn note(&mut self, k: usize) {
         if let Some(carried) = self.carried.get_mut(k) {
             *carried = true;
+        }
+    }
+
+    /// The slave in place `k` has an element at the increment's start.
+    pub fn starts_over(&mut self, k: usize) {
+        if let Some(over) = self.over.get_mut(k) {
+            *over = true;
         }
     }
 
@@ -98,7 +109,7 @@ impl Losses {
     }
 
     /// Whether the slave in place `k` carries force or did so since the increment began.
-    fn carried(&self, k: usize) -> bool {
+    pub fn carried(&self, k: usize) -> bool {
         self.carried.get(k).copied().unwrap_or(false)
     }
 
@@ -110,7 +121,10 @@ impl Losses {
         reason: NoContact,
         tracks: &mut Tracks<'_>,
     ) -> Option<LostContact> {
-        if !self.carried(k) {
+        let carried = self.carried(k);
+        // An open slave may lose its element by right. Through the master it goes by right as little as another one: a long step takes it
+        // from above to below.
+        if !carried && (is_failure(reason) || !self.over.get(k).copied().unwrap_or(false)) {
             return None;
         }
         let loss = if is_failure(reason) {

@@ -288,14 +288,22 @@ impl ContactSet {
         self.interactions.iter_mut().for_each(Interaction::excuse);
     }
 
-    /// The contacts that carried force in the increment or right before it, and have none at the last evaluation although their
-    /// slaves have not left the master: their elements have no result, or they went through it. With the interaction's name. `way`: from
+    /// The slaves that have no contact at the last evaluation although they carried force in the increment or right before it and have not
+    /// left the master, or were over it and went through. With the interaction's name. `way`: from
     /// where the increment began to the positions of the last evaluation.
     pub fn lost(&self, way: Way<'_>) -> impl Iterator<Item = (&str, LostContact)> {
         self.interactions.iter().flat_map(move |interaction| {
             let name = interaction.options().name.as_str();
             interaction.lost(way).map(move |lost| (name, lost))
         })
+    }
+
+    /// Names of the interactions with slaves that carried force in the increment or right before it and are beyond the master's border at
+    /// the last evaluation, and how many these are.
+    pub fn left(&self) -> impl Iterator<Item = (&str, usize)> {
+        let all = self.interactions.iter();
+        all.map(|interaction| (interaction.options().name.as_str(), interaction.left()))
+            .filter(|&(_, count)| count > 0)
     }
 
     /// Names of the interactions that carried force when the increment began and carry none at the last evaluation although slaves that

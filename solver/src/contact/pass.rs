@@ -4,7 +4,7 @@ use diffuse_contact::Mode;
 use diffuse_contact::Point;
 use diffuse_contact::assembly::{AssemblyError, ContactLaw, DofMap, Tangent, TangentOperator};
 use diffuse_contact::faces::IntegrationPoint;
-use diffuse_contact::interface::{FrictionReport, InterfaceError, Outcome};
+use diffuse_contact::interface::{FrictionReport, InterfaceError, NoContact, Outcome};
 use diffuse_contact::surface::MasterSurface;
 
 use super::friction::{FrictionHistory, PassFriction};
@@ -341,16 +341,18 @@ pub trait Pass: std::fmt::Debug {
         }
     }
 
-    /// From here on slaves without an element need not get one.
+    /// At an increment's start: slaves without an element need not get one.
     fn excuse(&mut self) {
         for (k, (_, outcome)) in self.outcomes().into_iter().enumerate() {
-            if let Outcome::None(reason) = outcome {
-                self.state_mut().losses.excuse(k, reason);
+            match outcome {
+                Outcome::None(reason) => self.state_mut().losses.excuse(k, reason),
+                Outcome::Contact { .. } if self.state().is_master_held && self.is_held(k) => (),
+                Outcome::Contact { .. } => self.state_mut().losses.starts_over(k),
             }
         }
     }
 
-    /// The slaves that carried force and have no contact although they have not left the master.
+    /// The slaves that have no contact although they carried force and have not left the master, or were over it and went through.
     fn lost(&self, way: Way<'_>) -> Vec<LostContact> {
         let mut tracks = self.state().losses.tracks(self.master(), way);
         let judged =
@@ -359,6 +361,13 @@ pub trait Pass: std::fmt::Debug {
                 Outcome::Contact { .. } => None,
             });
         judged.collect()
+    }
+
+    /// How many slaves carried force since the increment began, or right before it, and are beyond the master's border now.
+    fn left(&self) -> usize {
+        let outcomes = self.outcomes().into_iter().enumerate();
+        let is_beyond = |outcome| matches!(outcome, Outcome::None(NoContact::BeyondBorder { .. }));
+        outcomes.filter(|&(k, (_, outcome))| is_beyond(outcome) && self.state().losses.carried(k)).count()
     }
 
     /// How many slaves carried force when the increment began, and have neither a contact now nor risen from the master.

@@ -1,6 +1,6 @@
-//! Planes of symmetry that the boundary conditions speak of and the interface does not name.
+//! Planes of symmetry that the boundary conditions speak of and the interface does not name, and those that it names for nothing.
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 
 use diffuse_contact::Point;
 use diffuse_contact::interface::ContactElement;
@@ -24,10 +24,55 @@ pub fn symmetry_line(interaction: &Interaction, problem: &Problem, deformable: &
     if search.rule != NeighbourRule::Domains {
         return None;
     }
-    let named = &interaction.options().symmetry;
+    let positions = problem.start_positions();
+    let named = interaction.options().symmetry.iter().filter(|plane| !is_idle(plane, interaction, positions));
     let proposed = proposed(interaction, problem, deformable);
-    let planes: Vec<String> = named.iter().chain(&proposed).map(written).collect();
+    let planes: Vec<String> = named.chain(&proposed).map(written).collect();
     (!proposed.is_empty()).then(|| format!("symmetry = [{}]", planes.join(", ")))
+}
+
+/// The planes of an interaction, as decks have them, in which no edge lies where its surfaces end.
+pub fn idle_planes(interaction: &Interaction, positions: &[Point]) -> Vec<String> {
+    let planes = interaction.options().symmetry.iter();
+    planes.filter(|plane| is_idle(plane, interaction, positions)).map(written).collect()
+}
+
+/// Nodes as far on either side of a plane as this part of a slave facet's size are on both.
+const BEHIND: f64 = 0.01;
+
+/// The planes of an interaction, as decks have them, that its surfaces lie on both sides of.
+pub fn crossed_planes(interaction: &Interaction, positions: &[Point]) -> Vec<String> {
+    let nodes = || interaction.facets().iter().flat_map(|facet| facet.corners());
+    let is_crossed = |plane: &&SymmetryPlane| {
+        let heights = nodes().map(|&node| height(plane, positions[node]));
+        let [low, high] =
+            heights.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], x| [low.min(x), high.max(x)]);
+        high.min(-low) > BEHIND * interaction.facet_size()
+    };
+    interaction.options().symmetry.iter().filter(is_crossed).map(written).collect()
+}
+
+/// How far from a plane a point lies, on the side of the model.
+fn height(plane: &SymmetryPlane, x: Point) -> f64 {
+    dot(plane.normal, [0, 1, 2].map(|axis| x[axis] - plane.point[axis]))
+}
+
+fn is_idle(plane: &SymmetryPlane, interaction: &Interaction, positions: &[Point]) -> bool {
+    let mut edges: BTreeMap<[usize; 2], usize> = BTreeMap::new();
+    for corners in interaction.facets().iter().map(|facet| facet.corners()) {
+        for (k, &from) in corners.iter().enumerate() {
+            let to = corners[(k + 1) % corners.len()];
+            *edges.entry([from.min(to), from.max(to)]).or_default() += 1;
+        }
+    }
+    let border = || edges.iter().filter(|(_, facets)| **facets == 1).map(|(edge, _)| edge);
+    let tolerance = ON_PLANE * extent(&border().flatten().copied().collect(), positions);
+    let is_in = |&node: &usize| height(plane, positions[node]).abs() <= tolerance;
+    !border().any(|edge| edge.iter().all(is_in))
+}
+
+fn dot(a: Point, b: Point) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 
 fn proposed(interaction: &Interaction, problem: &Problem, deformable: &[bool]) -> Vec<SymmetryPlane> {
@@ -89,9 +134,7 @@ fn plane(axis: usize, coordinate: f64, side: f64, tolerance: f64) -> SymmetryPla
 
 /// Whether two planes are one, whichever side the model is said to be on.
 fn is_same(one: &SymmetryPlane, other: &SymmetryPlane, tolerance: f64) -> bool {
-    let dot = |a: Point, b: Point| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
-    let between = [0, 1, 2].map(|axis| one.point[axis] - other.point[axis]);
-    dot(one.normal, other.normal).abs() > 1.0 - ON_PLANE && dot(between, other.normal).abs() <= tolerance
+    dot(one.normal, other.normal).abs() > 1.0 - ON_PLANE && height(other, one.point).abs() <= tolerance
 }
 
 /// A plane as decks have it: the name of an axis where that says it.

@@ -110,17 +110,34 @@ fn all(loose: &[Loose]) -> String {
     if parts.is_empty() { parts } else { parts + help }
 }
 
+/// A clause for each interface whose slaves left the master over its border.
+fn over_border(left: &[(String, usize)]) -> String {
+    let clause = |(interface, count): &(String, usize)| {
+        format!(
+            "; {count} slaves of interface `{}` carried force and are beyond the master's border now: a wider master or a larger \
+             `border_tolerance` keeps them",
+            shown(interface)
+        )
+    };
+    left.iter().map(clause).collect()
+}
+
 /// Why one increment failed.
 #[derive(Debug, Error)]
 #[non_exhaustive]
 pub enum Failure {
     /// Too many iterations.
-    #[error("the residual is {residual:.2e} of the forces after {iterations} iterations")]
+    #[error(
+        "the residual is {residual:.2e} of the forces after {iterations} iterations{}",
+        over_border(left)
+    )]
     Iterations {
         /// Relative residual.
         residual: f64,
         /// Iterations made.
         iterations: usize,
+        /// Interfaces, and how many of their slaves carried force in the increment and lie beyond the master's border at its end.
+        left: Vec<(String, usize)>,
     },
     /// The residual grew beyond reason or is no number.
     #[error("the residual grew to {residual:.2e} of the forces in iteration {iteration}")]
@@ -132,13 +149,16 @@ pub enum Failure {
     },
     /// Two states lead to each other, and from the middle between them back again.
     #[error(
-        "the iteration goes back and forth between two states; the residual is {residual:.2e} of the forces in iteration {iteration}"
+        "the iteration goes back and forth between two states; the residual is {residual:.2e} of the forces in iteration {iteration}{}",
+        over_border(left)
     )]
     Cycle {
         /// Relative residual.
         residual: f64,
         /// Number of the iteration.
         iteration: usize,
+        /// As of [`Iterations`](Self::Iterations).
+        left: Vec<(String, usize)>,
     },
     /// An element was turned inside out, or has stresses that are not found or no numbers, however short the step.
     #[error("{0}")]
@@ -146,10 +166,10 @@ pub enum Failure {
     /// Contact could not be evaluated where an iteration led to, such as beyond all bounds.
     #[error("{0}")]
     Contact(ContactError),
-    /// There is equilibrium, but without contacts that carried force in the increment or right before it: their elements have no
-    /// result, or they went through their masters.
+    /// There is equilibrium, but slaves went through their masters, or have elements without a result although they carried force in the
+    /// increment or right before it.
     #[error(
-        "interface `{interface}`, slave node {node} carried force and lost its contact: {loss}; {count} did so", interface = shown(interface)
+        "interface `{interface}`, slave node {node} lost its contact: {loss}; {count} did so", interface = shown(interface)
     )]
     Lost {
         /// Interface of the first one.

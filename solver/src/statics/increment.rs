@@ -127,7 +127,8 @@ impl<'a> Increment<'a> {
                 newton.max_iterations,
             ) {
                 let residual = balance.residual / balance.scale;
-                return Err(Failure::Iterations { residual, iterations: self.iterations });
+                let left = self.over_border();
+                return Err(Failure::Iterations { residual, iterations: self.iterations, left });
             } else {
                 self.check_cycle(balance)?;
             }
@@ -150,10 +151,15 @@ impl<'a> Increment<'a> {
         }
         if self.cycle.is_known {
             let residual = balance.residual / balance.scale;
-            return Err(Failure::Cycle { residual, iteration: self.iterations });
+            return Err(Failure::Cycle { residual, iteration: self.iterations, left: self.over_border() });
         }
         self.cycle = Cycle { begin: self.history.len() - 1, halves: true, is_known: true };
         Ok(())
+    }
+
+    /// Interfaces whose slaves left the master over its border, with how many these are.
+    fn over_border(&self) -> Vec<(String, usize)> {
+        self.problem.contacts().left().map(|(name, count)| (name.to_owned(), count)).collect()
     }
 
     /// From the committed positions to those of the moment.

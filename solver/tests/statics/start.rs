@@ -270,6 +270,56 @@ fn a_screw_has_a_pitch() {
     );
 }
 
+/// A block in touch, pushed down by so much at once that it is through before it ever carried a force: that is a failure, not a result. A
+/// failure says so, too, if slaves left the master over its border.
+#[test]
+fn a_block_that_goes_through_another_or_over_its_border_ends_the_run() {
+    let deck = |way: &str, integration: &str| {
+        format!(
+            r#"
+[materials.steel]
+young = 200000.0
+poisson = 0.3
+[parts.lower]
+shape = "box"
+size = [2.0, 1.0, 1.0]
+divisions = [6, 3, 3]
+material = "steel"
+[parts.upper]
+shape = "box"
+origin = [0.0, 0.0, 1.0]
+size = [1.0, 1.0, 1.0]
+divisions = [4, 4, 4]
+material = "steel"
+[[boundary]]
+nodes = "lower.z-"
+fix = ["x", "y", "z"]
+[[boundary]]
+nodes = ["upper.x-"]
+fix = ["x"]
+[[boundary]]
+nodes = ["upper.z+"]
+translate = ["free", 0.0, {way}]
+[[interface]]
+name = "joint"
+master = "lower.z+"
+slave = "upper.z-"
+integration = "{integration}"
+"#
+        )
+    };
+    for integration in ["faces", "nodes"] {
+        let (notes, error, _) = fail(&deck("-3.0", integration), "[time]\nincrement = 1.0\nminimum = 0.4");
+        assert!(notes.increments.is_empty() && notes.cuts.len() == 1, "{integration}: {error}");
+        let through = |text: &str| text.contains("Through") || text.contains("Inverted");
+        assert!(notes.reasons.iter().all(|reason| through(reason)), "{integration}: {:?}", notes.reasons);
+    }
+    // Sides that are flush: nodes leave the border as the block bulges.
+    let (_, error, _) = fail(&deck("-0.2", "nodes"), "[time]\nincrement = 0.25\nminimum = 0.1");
+    let text = error.to_string();
+    assert!(text.contains("beyond the master's border") && text.contains("border_tolerance"), "{text}");
+}
+
 /// With a stabilisation what no load moves stays where it is, and forces are what they are without.
 #[test]
 fn stabilisation_holds_what_no_load_moves() {

@@ -27,7 +27,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let argument = std::env::args().nth(1).ok_or("usage: own_elements SECONDS | c")?;
     let config = || Config::new().element("tet4", formulas::tet4);
     if argument == "c" {
-        std::io::stdout().write_all(config()?.c_source().as_bytes())?;
+        std::io::stdout().write_all(config()?.c_source()?.as_bytes())?;
         return Ok(());
     }
     let seconds: f64 = argument.parse()?;

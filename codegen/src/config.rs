@@ -3,6 +3,8 @@
 use std::fmt;
 use std::path::{Path, PathBuf};
 
+use rustc_hash::FxHashSet;
+
 use crate::contact::{EmitOptions, TooLong, emit_file};
 use crate::emit::{MOST_STATEMENTS, emit_c, emit_element, emit_element_test};
 use crate::model::{
@@ -34,6 +36,12 @@ pub enum ConfigError {
     #[error("two modules are named \"{name}\", one of them of an element")]
     DuplicateElement {
         /// The name.
+        name: String,
+    },
+    /// Two tests are of one element.
+    #[error("the element \"{name}\" has two tests; give it one")]
+    DuplicateTest {
+        /// The element's name.
         name: String,
     },
     /// Two bases have one name.
@@ -322,7 +330,7 @@ impl Config {
     ///
     /// # Errors
     /// [`ConfigError::SupportPath`], [`ConfigError::DuplicateWeight`], [`ConfigError::WeightTooLong`],
-    /// [`ConfigError::DuplicateElement`], [`ConfigError::UnknownElement`], [`ConfigError::Element`] of an element that is too long, or of
+    /// [`ConfigError::DuplicateElement`], [`ConfigError::DuplicateTest`], [`ConfigError::UnknownElement`], [`ConfigError::Element`] of an element that is too long, or of
     /// numbers that it cannot be tested with.
     pub fn source(&self) -> Result<String, ConfigError> {
         self.source_for(true)
@@ -330,9 +338,21 @@ impl Config {
 
     /// The kernels of the elements as a C99 header: for each number of derivatives a function for one element, and one for arrays of
     /// many.
-    #[must_use]
-    pub fn c_source(&self) -> String {
-        emit_c(&self.elements)
+    ///
+    /// # Errors
+    /// [`ConfigError::DuplicateElement`].
+    pub fn c_source(&self) -> Result<String, ConfigError> {
+        self.check_elements()?;
+        Ok(emit_c(&self.elements))
+    }
+
+    /// Whether elements have names of their own.
+    fn check_elements(&self) -> Result<(), ConfigError> {
+        let weights = self.weights.iter().flatten().map(Weight::name);
+        let mut elements = self.elements.iter().map(|element| element.signature.name.as_str());
+        let mut names: FxHashSet<&str> = weights.collect();
+        let twice = elements.find(|name| !names.insert(name));
+        twice.map_or(Ok(()), |name| Err(ConfigError::DuplicateElement { name: name.to_owned() }))
     }
 
     fn source_for(&self, optimised: bool) -> Result<String, ConfigError> {
@@ -357,18 +377,17 @@ impl Config {
         support: &syn::Path,
         optimised: bool,
     ) -> Result<Vec<proc_macro2::TokenStream>, ConfigError> {
-        let mut modules: Vec<&str> = self.weights.iter().flatten().map(Weight::name).collect();
+        self.check_elements()?;
         let mut all = Vec::new();
         for element in &self.elements {
-            let name = element.signature.name.as_str();
-            if modules.contains(&name) {
-                return Err(ConfigError::DuplicateElement { name: name.to_owned() });
-            }
-            modules.push(name);
+            let name = &element.signature.name;
             let module = emit_element(element, support, optimised);
-            all.push(module.map_err(|source| ConfigError::Element { element: name.to_owned(), source })?);
+            all.push(module.map_err(|source| ConfigError::Element { element: name.clone(), source })?);
         }
-        for ElementTest { name, inputs, nodes } in &self.tests {
+        for (k, ElementTest { name, inputs, nodes }) in self.tests.iter().enumerate() {
+            if self.tests[..k].iter().any(|test| test.name == *name) {
+                return Err(ConfigError::DuplicateTest { name: name.clone() });
+            }
             let element = self.elements.iter().find(|element| element.signature.name == *name);
             let element = element.ok_or_else(|| ConfigError::UnknownElement { name: name.clone() })?;
             let test = emit_element_test(element, support, inputs, nodes);

@@ -9,7 +9,9 @@
 
 use rustc_hash::FxHashMap;
 
-use crate::graph::{ExprId, Graph, Op, RootFigure, RootId, Scope, SolveId, SymbolId, SystemId};
+use crate::graph::{
+    ExprId, Graph, Iteration, Limits, Op, RootFigure, RootId, Scope, SolveId, SymbolId, SystemId,
+};
 
 pub(crate) use derivatives::differentiated_products;
 pub use derivatives::element_derivatives;
@@ -295,7 +297,8 @@ impl<'a, N: Number> Interpreter<'a, N> {
         factor
     }
 
-    /// Newton's iteration with halving of steps that do not reduce the residual, by values; there is none from values that are known.
+    /// Newton's iteration, by values: steps of no more than the root's limit are halved until they reduce the residual; towards a minimum,
+    /// until they do not overshoot. There is none from values that are known.
     /// Steps with the Jacobian that the last values have then give the derivatives of the unknowns, each step those of one more order.
     fn root(&mut self, root: RootId) -> RootSolution<N> {
         if let Some(known) = self.roots.get(&root) {
@@ -314,19 +317,39 @@ impl<'a, N: Number> Interpreter<'a, N> {
         // A NaN is larger than anything: no step leads out of where the equations are defined.
         let larger = |x: f64, y: f64| if x.is_nan() || y <= x { x } else { y };
         let norm = |r: &[N]| r.iter().map(|x| x.value().abs()).fold(0.0, larger);
+        let is_descent = data.iteration == Iteration::Descent;
+        let limit = match data.iteration {
+            Iteration::Within(limits) => limits.longest_step,
+            Iteration::Newton | Iteration::Descent => Limits::default().longest_step,
+        };
         let mut iterations = 0;
         while !data.is_known() && iterations < MOST_ITERATIONS && norm(&residual) > 0.0 {
-            let step = eliminate(jacobian.clone(), residual.iter().map(Number::value).collect());
-            let mut fraction = 1.0;
+            let now: Vec<f64> = residual.iter().map(Number::value).collect();
+            let step =
+                if is_descent { downhill(&jacobian, &now) } else { eliminate(jacobian.clone(), now.clone()) };
+            let length = step.iter().map(|d| d.abs()).fold(0.0, larger);
+            let way = norm(&values);
+            if is_descent && length <= f64::EPSILON * (1.0 + way) {
+                break;
+            }
+            // As far as a minimum is away, the unknowns are not of order one.
+            let longest = if is_descent { limit * (1.0 + way) } else { limit };
+            let mut fraction = if length > longest { longest / length } else { 1.0 };
+            // More than 0, also where a step has no end.
+            let shortest = (1e-6 * fraction).max(f64::MIN_POSITIVE);
+            // The slope along a step: r is that down the function.
+            let slope = |r: &[N]| -> f64 { r.iter().zip(&step).map(|(r, d)| -d * r.value()).sum() };
             let accepted = loop {
                 let trial: Vec<N> =
                     values.iter().zip(&step).map(|(y, d)| N::constant(y.value() - fraction * d)).collect();
                 let (r, j) = self.equations(root, &trial);
-                if norm(&r) < norm(&residual) {
+                let is_better =
+                    if is_descent { slope(&r) > -0.5 * slope(&residual) } else { norm(&r) < norm(&residual) };
+                if is_better {
                     break Some((trial, r, j));
                 }
                 fraction /= 2.0;
-                if fraction < 1e-6 {
+                if fraction < shortest {
                     break None;
                 }
             };
@@ -361,6 +384,24 @@ impl<'a, N: Number> Interpreter<'a, N> {
         self.of_trial.clear();
         (residual, jacobian)
     }
+}
+
+/// The step from the negative derivatives r of a function of two unknowns and their Jacobian, to be subtracted: Newton's where the function
+/// is convex, else down along both principal directions by the absolute values of the curvatures.
+fn downhill(jacobian: &[Vec<f64>], r: &[f64]) -> Vec<f64> {
+    let [a, b, c] = [-jacobian[0][0], -0.5 * (jacobian[0][1] + jacobian[1][0]), -jacobian[1][1]];
+    let (middle, radius) = (0.5 * (a + c), (0.5 * (a - c)).hypot(b));
+    if middle > radius {
+        return eliminate(jacobian.to_vec(), r.to_vec());
+    }
+    let least = 1e-3 * (middle + radius).abs();
+    let (sin, cos) = (0.5 * (2.0 * b).atan2(a - c)).sin_cos();
+    let along = |direction: [f64; 2], curvature: f64| {
+        let rate = (direction[0] * r[0] + direction[1] * r[1]) / curvature.abs().max(least);
+        direction.map(|x| -rate * x)
+    };
+    let (first, second) = (along([cos, sin], middle + radius), along([-sin, cos], middle - radius));
+    vec![first[0] + second[0], first[1] + second[1]]
 }
 
 /// Gaussian elimination with partial pivoting.

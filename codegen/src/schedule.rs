@@ -377,7 +377,7 @@ impl<'a, S: Clone> Scheduler<'a, S> {
             phase.statements = self.lay_out(members, &results, &external, layout);
         }
         for &x in &self.reachable {
-            let Op::RootValue(root, _) = self.graph.op(x) else { continue };
+            let (Op::RootValue(root, _) | Op::RootFigure(root, _)) = self.graph.op(x) else { continue };
             if roots.contains_key(&root) {
                 continue;
             }

@@ -47,3 +47,18 @@ fn an_error_of_a_build_script_points_at_the_character() {
     let text = format!("{:?}", Box::<dyn std::error::Error>::from(error));
     assert!(text.contains("(1 - r)^3 * (1 + 3*r\n") && text.trim_end().ends_with('^'), "{text}");
 }
+
+/// A weight's kernel set would hide a type of the support module that has its name.
+#[test]
+fn no_weight_has_the_name_of_a_type_of_the_support_module() {
+    let support = include_str!("../../generated/src/support/mod.rs");
+    let exports = support.lines().filter_map(|line| line.strip_prefix("pub use "));
+    let names = exports.flat_map(|line| line.split(|c: char| !c.is_alphanumeric()));
+    let is_type = |name: &&str| name.starts_with(char::is_uppercase) && name.chars().any(char::is_lowercase);
+    let types: Vec<&str> = names.filter(is_type).collect();
+    assert!(types.contains(&"Second") && types.contains(&"KernelSet"));
+    for name in types {
+        let result = Config::new().weight(&name.to_lowercase(), "(1 - r)^2");
+        assert!(matches!(result, Err(ConfigError::Weight(_))), "{name}");
+    }
+}

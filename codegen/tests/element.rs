@@ -295,6 +295,16 @@ fn error_of(name: &str, formulas: impl FnOnce(&ElementModel<'_>)) -> (ElementErr
 #[test]
 fn mistakes_name_the_element_and_the_expression() {
     let scalar = |m: &ElementModel<'_>, name: &str| m.energy(m.variable::<Expr<'_>>(name).powi(2));
+    for name in ["r#type", "gen", "fn", "4"] {
+        assert_eq!(error_of("test", |m| scalar(m, name)).0, ElementError::Name { name: name.to_owned() });
+    }
+    // Both are fields of the inputs.
+    let (error, _) = error_of("test", |m| {
+        let x: Vec3<'_> = m.variable("x");
+        let y: Expr<'_> = m.parameter("x");
+        m.energy(x.norm() * y);
+    });
+    assert_eq!(error, ElementError::Duplicate { name: "x".to_owned() });
     let check = |(found, text): (ElementError, String), expected: ElementError, word: &str| {
         assert_eq!(found, expected);
         assert!(text.contains(word), "{text}");
@@ -339,6 +349,38 @@ fn mistakes_name_the_element_and_the_expression() {
     check(error_of("a", described), ElementError::Unknown { name: named("y") }, "`y`");
 }
 
+/// A logarithm of 0 under a name is not multiplied where it is not chosen; a maximum may begin at −∞.
+#[test]
+fn values_that_are_not_finite_are_not_chosen() {
+    let element = kernels(|m| {
+        let [d, h] = [m.variable::<Expr<'_>>("d"), m.parameter("h")];
+        let l = m.define("l", (d / h).ln());
+        m.value("damped", l.max(0.0));
+        m.value("largest", m.sheet().number(f64::NEG_INFINITY).max(d).max(h));
+        m.energy(d * d);
+    });
+    let all = element_results(&element.kernels[0], &[&[0.0], &[2.0]], &[]);
+    let value = |name: &str| all.iter().find(|(other, _)| other == name).unwrap().1[0];
+    assert_eq!((value("damped"), value("largest")), (0.0, 2.0));
+    let config = Config::new().element("test", |m| {
+        let d: Expr<'_> = m.variable("d");
+        m.energy(m.sheet().number(f64::NEG_INFINITY).max(d) + m.sheet().number(f64::INFINITY).min(d));
+    });
+    let config = config.unwrap();
+    assert!(config.source().unwrap().contains("splat(-f64::INFINITY)"));
+    assert!(config.c_source().unwrap().contains("(-INFINITY)"));
+}
+
+/// Long products are not taken apart without end.
+#[test]
+fn a_product_of_products_stays_short() {
+    let element = kernels(|m| {
+        let x: Expr<'_> = m.variable("x");
+        m.energy((0..40).fold(x + 1.0, |p, _| p * p));
+    });
+    assert!(!element.kernels.is_empty());
+}
+
 #[test]
 fn an_element_that_is_too_long_to_compile_is_named() {
     let (error, text) = error_of("long", |m| {
@@ -356,10 +398,14 @@ fn an_element_has_a_name_of_its_own() {
     let weight = Config::new().cubic().element("cubic", square).unwrap();
     let facet = Config::new().facets().element("gap_over_triangle", square).unwrap();
     for (config, expected) in [(twice, "a"), (weight, "cubic"), (facet, "gap_over_triangle")] {
-        let error = config.source().unwrap_err();
-        let ConfigError::DuplicateElement { name } = &error else { panic!("{error}") };
-        assert_eq!(name, expected);
+        for error in [config.source().unwrap_err(), config.c_source().unwrap_err()] {
+            let ConfigError::DuplicateElement { name } = &error else { panic!("{error}") };
+            assert_eq!(name, expected);
+        }
     }
+    let tested =
+        Config::new().element("a", square).unwrap().test("a", &[&[1.0]], &[]).test("a", &[&[2.0]], &[]);
+    assert!(matches!(tested.source().unwrap_err(), ConfigError::DuplicateTest { name } if name == "a"));
 }
 
 #[test]

@@ -233,7 +233,7 @@ fn compiled_c_has_the_numbers_of_the_interpreter() {
             m.product();
         };
         let element = ElementKernels::new(name, formulas).unwrap();
-        let header = Config::new().element(name, formulas).unwrap().c_source();
+        let header = Config::new().element(name, formulas).unwrap().c_source().unwrap();
         let elements: Vec<Vec<f64>> =
             (0..5).map(|k| inputs_of(&element, 0.31 + 0.07 * f64::from(k))).collect();
         let mut all = Vec::new();
@@ -387,7 +387,7 @@ fn program_with_nodes(
 #[test]
 fn compiled_c_has_the_numbers_of_the_interpreter_for_any_number_of_nodes() {
     let element = ElementKernels::new("fitted", fitted).unwrap();
-    let header = Config::new().element("fitted", fitted).unwrap().c_source();
+    let header = Config::new().element("fitted", fitted).unwrap().c_source().unwrap();
     let mut seed = 0.37;
     // Fewer elements than lanes, and more, but no multiple.
     for (all, count, options) in [(1, 3, &["-O1"][..]), (5, 8, &["-O3"]), (11, 4, &["-O3", "-march=native"])]
@@ -438,7 +438,7 @@ fn compiled_c_has_the_numbers_of_the_interpreter_for_any_number_of_nodes() {
 #[test]
 fn the_golden_header_is_what_the_generator_emits() {
     let config = Config::new().element("spring", spring);
-    let text = config.unwrap().c_source();
+    let text = config.unwrap().c_source().unwrap();
     if std::env::var_os("UPDATE_GOLDEN").is_some() {
         std::fs::write(GOLDEN, &text).unwrap();
     }

@@ -314,6 +314,26 @@ fn linear_equations_and_a_stationary_point_with_sums() {
     check(formulas, &[], &slices(&nodes), (0, 3), of);
 }
 
+/// A sum of a sum that an unknown stands in: u with ½ u² + Σᵢ wᵢ Σⱼ u xⱼ least, −Σ w Σ x.
+#[test]
+fn a_sum_within_a_sum_of_an_unknown() {
+    let formulas = |m: &ElementModel<'_>| {
+        let (x, w): (Expr<'_>, Expr<'_>) = (m.node_variable("x"), m.node_parameter("w"));
+        let fit = m.stationary("u", |u: Vector<'_, 1>| {
+            let inner = (u[0] * x).sum();
+            0.5 * u[0].powi(2) + (w * inner).sum()
+        });
+        m.energy(fit.unknowns[0].powi(3) + (x * x).sum());
+    };
+    let nodes = [[0.4, 2.0], [-0.3, 1.0], [0.9, 0.5]];
+    let nodes: Vec<&[f64]> = nodes.iter().map(|node| &node[..]).collect();
+    let of = |x: &[HyperDual<f64>]| {
+        let all = sum(x.iter().copied()) * -3.5;
+        all * all * all + sum(x.iter().map(|&x| x * x))
+    };
+    check(formulas, &[], &nodes, (0, 1), of);
+}
+
 /// Conditions with a Jacobian, and a count of nodes: a node held by the weighted average of others.
 #[test]
 fn conditions_with_their_jacobian() {
@@ -356,7 +376,7 @@ fn mistakes_with_nodes_name_the_expression() {
         let (x, nodes): (Expr<'_>, Expr<'_>) = (m.node_variable("x"), m.variable("nodes"));
         m.energy((x * x).sum() * nodes);
     };
-    assert_eq!(error_of(taken), ElementError::Duplicate { name: named("nodes") });
+    assert_eq!(error_of(taken), ElementError::Reserved { name: named("nodes") });
     let cubic = |m: &ElementModel<'_>| {
         let x: Expr<'_> = m.node_variable("x");
         let fit = m.stationary("c", |c: Vector<'_, 1>| (x - c[0]).powi(4));
@@ -377,6 +397,30 @@ fn mistakes_with_nodes_name_the_expression() {
         m.energy(u[0] * u[1]);
     };
     assert_eq!(error_of(hidden), ElementError::NoSum { quantity: named("energy") });
+    for name in ["node_count", "node_index"] {
+        let taken = |m: &ElementModel<'_>| {
+            let (x, other): (Expr<'_>, Expr<'_>) = (m.node_variable("x"), m.parameter(name));
+            m.energy((x * x).sum() * other);
+        };
+        assert_eq!(error_of(taken), ElementError::Reserved { name: named(name) });
+    }
+    // Equations of a node are not those of an element.
+    let of_node = |m: &ElementModel<'_>| {
+        let (x, z): (Vec2<'_>, Expr<'_>) = (m.node_variable("x"), m.variable("z"));
+        let root = m.root("u", |u: Vector<'_, 1>| Vector([u[0].powi(3) + u[0] - x[0]]));
+        m.energy(root.unknowns[0] * z + (x[1] * x[1]).sum());
+    };
+    assert!(matches!(error_of(of_node), ElementError::Scope { output, .. } if output == "u"));
+    // The unknown stands in a sum within a sum, and stays there.
+    let nested = |m: &ElementModel<'_>| {
+        let (x, w): (Expr<'_>, Expr<'_>) = (m.node_variable("x"), m.node_variable("w"));
+        let fit = m.stationary("u", |u: Vector<'_, 1>| {
+            let inner = (u[0] * x).sum();
+            0.5 * u[0].powi(2) + (w * inner * inner).sum() - u[0]
+        });
+        m.energy(fit.unknowns[0].powi(2));
+    };
+    assert!(matches!(error_of(nested), ElementError::NoSum { .. }));
     let twice = |m: &ElementModel<'_>| {
         let x: Expr<'_> = m.node_variable("x");
         let _: Expr<'_> = m.variable("x");

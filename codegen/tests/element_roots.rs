@@ -2,7 +2,7 @@
 //! same quantities found in another way.
 #![allow(non_snake_case)]
 
-use diffuse_contact_codegen::expr::{Matrix, Vec2, Vec3, Vector, dot, total};
+use diffuse_contact_codegen::expr::{Expr, Matrix, Vec2, Vec3, Vector, dot, total};
 use diffuse_contact_codegen::interpret::{element_derivatives, element_results};
 use diffuse_contact_codegen::{Config, ConfigError, ElementError, ElementKernels, ElementModel, Limits};
 use num_dual::{DualNum as _, HyperDual};
@@ -158,6 +158,94 @@ fn a_stationary_point_of_a_function_that_is_not_quadratic() {
     };
     let all = check(formulas, &[0.7, -0.4, 0.9, 0.5], of);
     assert!(all.iter().any(|(name, x)| name == "residual" && x[0] < 1e-12));
+}
+
+/// A spring to a point on a fixed obstacle that follows the second node alone: the energy changes when both nodes move together.
+#[test]
+fn equations_that_do_not_contain_the_first_node() {
+    let root = |m: &ElementModel<'_>| {
+        let x: [Vec2<'_>; 2] = m.variable("x");
+        let foot = m.root("foot", |u: Vector<'_, 1>| Vector([u[0] + u[0].powi(3) - x[1][0]])).unknowns[0];
+        m.energy((x[1] - x[0]).dot(x[1] - x[0]) + foot.powi(2));
+        m.product();
+    };
+    let of_root = |x: &[HyperDual<f64>]| {
+        let mut u = x[2] * 0.5;
+        for _ in 0..60 {
+            u = u - (u + u * u * u - x[2]) / (u * u * 3.0 + 1.0);
+        }
+        let way = [x[2] - x[0], x[3] - x[1]];
+        way[0] * way[0] + way[1] * way[1] + u * u
+    };
+    let x = [0.1, -0.2, 0.7, 0.4];
+    check(root, &x, of_root);
+    // Linear equations and a function to be made stationary as well.
+    let linear = |m: &ElementModel<'_>| {
+        let x: [Vec2<'_>; 2] = m.variable("x");
+        let u = m.solve("u", Matrix([[x[1][0] + 2.0]]), Vector([x[1][1]])).unknowns[0];
+        let v = m.stationary("v", |v: Vector<'_, 1>| {
+            0.5 * (x[1][0] * x[1][0] + 1.0) * v[0].powi(2) - x[1][1] * v[0]
+        });
+        m.energy((x[1] - x[0]).dot(x[1] - x[0]) + u.powi(2) + v.unknowns[0].powi(3));
+    };
+    let of_linear = |x: &[HyperDual<f64>]| {
+        let (u, v) = (x[3] / (x[2] + 2.0), x[3] / (x[2] * x[2] + 1.0));
+        let way = [x[2] - x[0], x[3] - x[1]];
+        way[0] * way[0] + way[1] * way[1] + u * u + v * v * v
+    };
+    check(linear, &x, of_linear);
+}
+
+/// Near a maximum the interpreter goes down, as kernels do.
+#[test]
+fn the_interpreter_finds_the_roots_that_kernels_find() {
+    let formulas = |m: &ElementModel<'_>| {
+        let c: Expr<'_> = m.variable("c");
+        let well = m.minimum("u", |u: Vec2<'_>| {
+            (u[0].powi(2) - 1.0).powi(2) + c * u[0] + u[1].powi(2) + 0.1 * u[0] * u[1]
+        });
+        m.energy(well.unknowns[0]);
+    };
+    let element = ElementKernels::new("test", formulas).unwrap();
+    let of = |c: f64, name: &str| {
+        let all = element_results(element.kernels.first().unwrap(), &[&[c]], &[]);
+        all.into_iter().find(|(other, _)| other == name).unwrap().1[0]
+    };
+    for c in [0.1, 1e-3, -0.1] {
+        let u = of(c, "energy");
+        assert!(u * c < 0.0 && (0.9..1.1).contains(&u.abs()), "{c} {u}");
+    }
+}
+
+/// Derivatives of how an iteration went are refused; conditions on it are not.
+#[test]
+fn figures_of_an_iteration_have_no_derivatives() {
+    let with = |state: for<'g> fn(&ElementModel<'g>, Expr<'g>, Expr<'g>)| {
+        ElementKernels::new("test", |m| {
+            let x: Expr<'_> = m.variable("x");
+            let root = m.root("u", |u: Vector<'_, 1>| Vector([u[0] + u[0].powi(3) - x]));
+            state(m, x, root.residual);
+        })
+    };
+    let error = |state: for<'g> fn(&ElementModel<'g>, Expr<'g>, Expr<'g>)| with(state).err();
+    let figure = |output: &str| Some(ElementError::Figure { output: output.to_owned() });
+    assert_eq!(error(|m, _, residual| m.residual("r", residual)), figure("r"));
+    assert_eq!(error(|m, x, residual| m.energy(x * m.define("size", residual + 1.0))), figure("energy"));
+    assert_eq!(error(|m, x, residual| m.energy(residual.less(1e-12).select(x * x, 2.0 * x))), None);
+    // Only the residual is used: the equations are solved all the same.
+    let solved = with(|m, x, residual| {
+        m.energy(x * x);
+        m.value("size", residual);
+    });
+    let config = Config::new().element("test", |m| {
+        let x: Expr<'_> = m.variable("x");
+        let root = m.root("u", |u: Vector<'_, 1>| Vector([u[0] + u[0].powi(3) - x]));
+        m.energy(x * x);
+        m.value("size", root.residual);
+    });
+    assert!(config.unwrap().source().is_ok());
+    let all = element_results(solved.unwrap().kernels.first().unwrap(), &[&[0.7]], &[]);
+    assert!(all.iter().any(|(name, x)| name == "size" && x[0] < 1e-12));
 }
 
 #[test]

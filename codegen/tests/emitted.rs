@@ -107,7 +107,7 @@ fn every_kernel_is_emitted_byte_for_byte() {
     type Emit = fn() -> String;
     let emitted: [(&str, Emit); 5] = [
         ("own", || own().source().unwrap()),
-        ("own_c", || own().c_source()),
+        ("own_c", || own().c_source().unwrap()),
         ("product", || product().source().unwrap()),
         ("alone", || alone().source().unwrap()),
         ("others", || others().source().unwrap()),

@@ -14,6 +14,9 @@
 #endif
 #endif
 
+#ifndef DIFFUSE_CONTACT_ELEMENT_SPRING
+#define DIFFUSE_CONTACT_ELEMENT_SPRING
+
 /* A spring between two points, linear in its stretch. */
 typedef struct {
     double x[2][3]; /* Ends, length. */
@@ -341,3 +344,4 @@ static inline void spring_product_batch(size_t count, const double *restrict inp
         hessian_product[5 * count + k] = sum_v9;
     }
 }
+#endif

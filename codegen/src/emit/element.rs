@@ -5,31 +5,15 @@ use quote::{format_ident, quote};
 
 use super::count::OpCounts;
 use super::derivatives::{Derivative, arguments_of};
+use super::element_kernel::{EmittedElementKernel, documentation, function_name, title};
 use super::fixed::{Fixed, Head, nested};
 use super::function::solver_name;
 use super::node_element::emit_node_kernel;
 use super::{element_module, node_module, product_module};
 use crate::graph::Iteration;
 use crate::lower::lower;
-use crate::model::{Defined, ElementError, ElementKernels, ElementSpec, Kernel, Mode, Signature};
+use crate::model::{ElementError, ElementKernels, ElementSpec, Kernel, Mode};
 use crate::schedule::Program;
-
-/// A kernel of an element as source.
-#[derive(Clone, Debug)]
-pub struct EmittedElementKernel {
-    /// With how many derivatives.
-    pub mode: Mode,
-    /// The function.
-    pub tokens: TokenStream,
-    /// Operations, with one evaluation of the equations of roots, without those of nodes.
-    pub counts: OpCounts,
-    /// Operations for each node, and for each pair of nodes; none of an element of fixed size.
-    pub per_node: [OpCounts; 2],
-    /// Operations of one evaluation of the equations of roots.
-    pub iteration: OpCounts,
-    /// Statements of the function.
-    pub statements: usize,
-}
 
 /// Lowers, schedules and writes a kernel of an element.
 #[must_use]
@@ -38,8 +22,7 @@ pub fn emit_element_kernel(kernel: &Kernel<ElementSpec>) -> EmittedElementKernel
     let spec = &program.kernel.spec;
     let ElementSpec { signature, mode, direction, .. } = spec;
     if !signature.nodes.is_empty() {
-        let names = Derivative::names(spec);
-        return emit_node_kernel(&program, &names, |kernel| documentation(spec, kernel));
+        return emit_node_kernel(&program, &Derivative::names(spec));
     }
     let arguments = arguments_of(spec);
     let head = Head {
@@ -143,75 +126,4 @@ pub(super) fn without_suffixes(tokens: TokenStream) -> TokenStream {
         other => other,
     };
     tokens.into_iter().map(change).collect()
-}
-
-pub(super) fn title(signature: &Signature) -> String {
-    if signature.doc.is_empty() {
-        format!("The element `{}`.", signature.name)
-    } else {
-        signature.doc.clone()
-    }
-}
-
-/// Name of a kernel's function.
-pub(super) const fn function_name(spec: &ElementSpec) -> &'static str {
-    if spec.direction.is_some() { "product" } else { spec.mode.name() }
-}
-
-fn documentation(spec: &ElementSpec, kernel: &EmittedElementKernel) -> Vec<String> {
-    let ElementSpec { signature, mode, quantities, direction, .. } = spec;
-    let with = match mode {
-        _ if direction.is_some() => {
-            "Products of derivatives with a vector v, `direction`, without the derivatives"
-        }
-        Mode::Value => "Values",
-        Mode::Gradient => "Values and first derivatives",
-        Mode::Hessian => "Values, first and second derivatives",
-    };
-    let mut lines = vec![format!(" {}", title(signature)), String::new(), format!(" {with}:"), String::new()];
-    for value in signature.values.iter().filter(|_| direction.is_none()) {
-        lines.push(format!(
-            " * `{}`{}",
-            value.name,
-            if value.doc.is_empty() { String::new() } else { format!(": {}", value.doc) }
-        ));
-    }
-    for derivative in Derivative::of(spec) {
-        lines.push(format!(" * `{}`: {}", derivative.name, derivative.meaning(signature)));
-    }
-    if !quantities.is_empty() {
-        let described = |of: &Defined| {
-            let separator = if of.doc.is_empty() { "" } else { " = " };
-            format!("`{}{separator}{}`", of.name, of.doc)
-        };
-        lines.push(String::new());
-        lines.push(format!(" Made of {}.", quantities.iter().map(described).collect::<Vec<_>>().join(", ")));
-    }
-    if !signature.points.rows.is_empty() {
-        lines.push(String::new());
-        lines.push(format!(" Sums over {} points.", signature.points.rows.len()));
-    }
-    lines.push(String::new());
-    let (total, iteration) = (kernel.counts.total(), kernel.iteration.total());
-    let of_nodes = match (signature.nodes.is_empty(), kernel.per_node.map(|counts| counts.total())) {
-        (true, _) => String::new(),
-        (false, [node, 0]) => format!(" + {node} n"),
-        (false, [node, pair]) => format!(" + {node} n + {pair} n(n−1)/2"),
-    };
-    lines.push(match iteration {
-        0 => format!(" Operations: {total}{of_nodes}."),
-        each => format!(" Operations: {}{of_nodes}, and {each} for each Newton iteration.", total - each),
-    });
-    if !signature.nodes.is_empty() {
-        lines.push(String::new());
-        let scratch = match direction {
-            Some(_) => "[`PRODUCT_SCRATCH`]".to_owned(),
-            None => format!("[`SCRATCH`]`[{}]`", *mode as usize),
-        };
-        lines.push(format!(" `scratch`: {scratch} numbers for each of the n nodes, of any content."));
-        lines.push(String::new());
-        lines.push(" # Panics".to_owned());
-        lines.push(" If a slice is shorter than the nodes need.".to_owned());
-    }
-    lines
 }

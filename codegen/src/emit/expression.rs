@@ -1,7 +1,7 @@
 //! Expressions as tokens, with their operation counts.
 
 use proc_macro2::{Ident, Literal, TokenStream};
-use quote::{format_ident, quote};
+use quote::{ToTokens, format_ident, quote};
 
 use super::count::OpCounts;
 use super::names::Names;
@@ -261,8 +261,14 @@ impl<'a> Writer<'a> {
             quote!(#vector::ZERO)
         } else if value == 1.0 {
             quote!(#vector::ONE)
+        } else if value.is_nan() {
+            quote!(#vector::splat(f64::NAN))
         } else {
-            let magnitude = Literal::f64_unsuffixed(value.abs());
+            let magnitude = if value.is_infinite() {
+                quote!(f64::INFINITY)
+            } else {
+                Literal::f64_unsuffixed(value.abs()).into_token_stream()
+            };
             if value < 0.0 { quote!(#vector::splat(-#magnitude)) } else { quote!(#vector::splat(#magnitude)) }
         }
     }

@@ -4,6 +4,7 @@ mod c;
 mod count;
 mod derivatives;
 mod element;
+mod element_kernel;
 mod element_module;
 mod element_test;
 mod expression;
@@ -19,7 +20,8 @@ mod shape;
 
 pub use c::emit_c;
 pub use count::{KernelCounts, OpCounts};
-pub use element::{EmittedElementKernel, emit_element, emit_element_kernel};
+pub use element::{emit_element, emit_element_kernel};
+pub use element_kernel::EmittedElementKernel;
 pub use element_test::emit_element_test;
 pub use shape::EmittedKernel;
 pub(crate) use shape::{Combined, ShapeHead, emit_shape, kept_name};

@@ -5,7 +5,7 @@ use quote::{format_ident, quote};
 
 use super::count::OpCounts;
 use super::derivatives::DIRECTION;
-use super::element::{EmittedElementKernel, function_name};
+use super::element_kernel::{EmittedElementKernel, documentation, function_name};
 use super::expression::Lanes;
 use super::fixed::{self, nested, reads_and_count};
 use super::function::FunctionWriter;
@@ -73,11 +73,7 @@ impl Scratch {
 }
 
 /// Writes the function of a kernel; `arguments` are what derivatives are written to.
-pub(super) fn emit_node_kernel(
-    program: &Program<ElementSpec>,
-    arguments: &[String],
-    documentation: impl FnOnce(&EmittedElementKernel) -> Vec<String>,
-) -> EmittedElementKernel {
+pub(super) fn emit_node_kernel(program: &Program<ElementSpec>, arguments: &[String]) -> EmittedElementKernel {
     let spec = &program.kernel.spec;
     let ElementSpec { signature, mode, direction, .. } = spec;
     let scratch = Scratch::new(program);
@@ -110,7 +106,7 @@ pub(super) fn emit_node_kernel(
         iteration: function.counts.iteration,
         statements: function.statements + outputs.len() + reads.len() + 8,
     };
-    let documentation = documentation(&emitted);
+    let documentation = documentation(spec, &emitted);
 
     let name = format_ident!("{}", function_name(spec));
     let (vector, returns, returned) = match direction {

@@ -167,6 +167,12 @@ impl<'g> Expr<'g> {
         self.sheet.graph().contains(self.id, symbol.id)
     }
 
+    /// What the unknowns in it follow from, see [`Graph::equations`].
+    pub(crate) fn equations(self) -> Vec<Self> {
+        let equations = self.sheet.graph().equations(self.id);
+        self.sheet.exprs(equations)
+    }
+
     /// Whether it is the number 0.
     #[must_use]
     pub fn is_zero(self) -> bool {

@@ -9,6 +9,9 @@ mod series;
 
 pub use parse::FormulaError;
 
+/// Polynomials of a higher degree are not multiplied out.
+const LARGEST_DEGREE: usize = 1000;
+
 /// A formula in r.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Formula {
@@ -108,6 +111,9 @@ impl Formula {
             },
             Self::Power(x, k @ 0..=32) => {
                 let base = x.polynomial()?;
+                if (base.len() - 1) * *k as usize > LARGEST_DEGREE {
+                    return None;
+                }
                 Some((0..*k).fold(vec![1.0], |p, _| product(&p, &base)))
             }
             Self::Power(..) | Self::Exp(_) | Self::Sqrt(_) | Self::If { .. } => None,

@@ -14,8 +14,8 @@ impl Graph {
             .unwrap_or_else(|| self.intern(Op::Select { x, y, then, otherwise }))
     }
 
-    /// if x < y { s u } else { 0 } → s (if x < y { u } else { 0 }), and the other way round, for symbols s: their values
-    /// are finite, those of other factors perhaps only where they are chosen.
+    /// if x < y { s u } else { 0 } → s (if x < y { u } else { 0 }), and the other way round, for symbols s whose
+    /// values are finite: those of other factors and symbols perhaps are so only where they are chosen.
     fn pull_out_of_choice(
         &mut self,
         x: ExprId,
@@ -31,7 +31,7 @@ impl Graph {
         };
         let (coefficient, factors) = self.coefficient_and_factors(chosen);
         let (symbols, others): (Vec<ExprId>, Vec<ExprId>) =
-            factors.into_iter().partition(|&factor| matches!(self.op(factor), Op::Symbol(_)));
+            factors.into_iter().partition(|&factor| self.is_finite_symbol(factor));
         if symbols.is_empty() {
             return None;
         }

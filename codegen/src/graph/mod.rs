@@ -206,6 +206,8 @@ pub struct Symbol {
     pub definition: Option<ExprId>,
     /// Whether it has its definition's value, but is a constant for all derivatives.
     pub is_held: bool,
+    /// Whether its value is finite wherever the inputs are.
+    pub(crate) is_finite: bool,
 }
 
 /// Name of the input that holds the number of nodes.
@@ -224,6 +226,7 @@ pub struct Graph {
     /// Of each expression, if it has one.
     names: Vec<Option<String>>,
     symbols: Vec<Symbol>,
+    symbol_names: FxHashMap<String, SymbolId>,
     derivatives: Table<(ExprId, SymbolId), ExprId>,
     polynomials: Vec<Polynomial>,
     systems: Vec<SymmetricSystem>,

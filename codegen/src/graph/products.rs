@@ -2,6 +2,9 @@
 
 use super::{ExprId, Graph, Op, Scope};
 
+/// Products among so many factors are not taken apart: x to a power of two that was multiplied out has more than memory holds.
+const MOST_COLLECTED: usize = 64;
+
 impl Graph {
     /// c · core, where core has no numerical coefficient.
     pub(super) fn scaled(&mut self, coefficient: f64, core: ExprId) -> ExprId {
@@ -47,7 +50,7 @@ impl Graph {
         match self.op(x) {
             Op::Constant(bits) => return f64::from_bits(bits),
             Op::Neg(inner) => return -self.collect_factors(inner, factors),
-            Op::Mul(left, right) if !self.is_whole(x) => {
+            Op::Mul(left, right) if !self.is_whole(x) && factors.len() < MOST_COLLECTED => {
                 return self.collect_factors(left, factors) * self.collect_factors(right, factors);
             }
             _ => factors.push(x),

@@ -1,8 +1,9 @@
 //! Constructors of expressions and the local simplifications they apply.
 //!
-//! Each rule is one function with the rule as its comment and one unit test. A rule is admitted only if its
-//! result is at least as accurate as what it replaces for every finite operand: products and sums may be
-//! reassociated where that removes work, but nothing is expanded, and no factor is cancelled from a quotient.
+//! Each rule is one function with the rule as its comment and one unit test. Nothing is expanded, and no factor is cancelled from a
+//! quotient. Products and sums may be put into another order where that removes work: of sums whose terms cancel, other digits are lost then.
+//! A named product or a definition keeps its own order. But for that a result is at least as accurate as what it replaces, for every finite
+//! operand.
 
 use super::{ExprId, Function, Graph, Op, Scope};
 

@@ -1,5 +1,7 @@
 //! Substitution of expressions for symbols.
 
+use rustc_hash::FxHashSet;
+
 use super::{ExprId, Graph, Op, SymbolId};
 use crate::table::Table;
 
@@ -24,6 +26,25 @@ impl Graph {
     pub(crate) fn replace(&mut self, expr: ExprId, replacements: &[(ExprId, ExprId)]) -> ExprId {
         let mut done = replacements.iter().copied().collect();
         self.substituted(expr, &[], &mut done)
+    }
+
+    /// The entries and right-hand sides of systems and the residuals of roots that the value follows from: substitution leaves them as
+    /// they are. Definitions are not entered.
+    pub(crate) fn equations(&self, expr: ExprId) -> Vec<ExprId> {
+        let (mut seen, mut open, mut equations) = (FxHashSet::default(), vec![expr], Vec::new());
+        while let Some(x) = open.pop() {
+            if !seen.insert(x) || matches!(self.op(x), Op::Symbol(_)) {
+                continue;
+            }
+            let own = match self.op(x) {
+                Op::RootValue(root, _) | Op::RootFigure(root, _) => self.root(root).residuals.clone(),
+                Op::Solution(..) | Op::InverseFactor { .. } | Op::PivotRatio(_) => self.dependencies(x),
+                _ => Vec::new(),
+            };
+            open.extend(self.operands(x).iter().chain(&own));
+            equations.extend(own);
+        }
+        equations
     }
 
     fn substituted(

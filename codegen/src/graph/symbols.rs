@@ -1,6 +1,8 @@
 //! Symbols: inputs, variables, and those that are bound to an expression.
 
-use super::{ExprId, Graph, NODE_COUNT, Op, Scope, Symbol, SymbolId};
+use rustc_hash::FxHashSet;
+
+use super::{ExprId, Function, Graph, NODE_COUNT, Op, Scope, Symbol, SymbolId};
 
 impl Graph {
     /// A new input symbol.
@@ -11,15 +13,44 @@ impl Graph {
 
     /// The input symbol with this name, a new one where there is none.
     pub(crate) fn input_once(&mut self, name: &str, scope: Scope) -> ExprId {
-        match self.symbols.iter().position(|s| s.name == name) {
-            Some(k) => self.intern(Op::Symbol(SymbolId(k as u32))),
+        match self.symbol_names.get(name) {
+            Some(&symbol) => self.intern(Op::Symbol(symbol)),
             None => self.input(name, scope),
         }
     }
 
+    /// Whether an expression is a symbol whose value is finite wherever the inputs are.
+    pub(super) fn is_finite_symbol(&self, expr: ExprId) -> bool {
+        matches!(self.op(expr), Op::Symbol(symbol) if self.symbol_data(symbol).is_finite)
+    }
+
+    /// Whether a definition is finite wherever the inputs are, but for overflow: one without divisions, roots and logarithms.
+    fn is_finite(&self, definition: ExprId) -> bool {
+        let (mut seen, mut open) = (FxHashSet::default(), vec![definition]);
+        while let Some(x) = open.pop() {
+            if !seen.insert(x) {
+                continue;
+            }
+            let is_finite = match self.op(x) {
+                Op::Constant(bits) => f64::from_bits(bits).is_finite(),
+                Op::Symbol(symbol) => self.symbol_data(symbol).is_finite,
+                Op::Power(_, exponent) => exponent > 0,
+                Op::Function(function, _) => function != Function::Ln,
+                Op::Add(..) | Op::Neg(_) | Op::Mul(..) | Op::Polynomial(..) | Op::Hypot(..) => true,
+                Op::Select { .. } | Op::Sum(_) | Op::DivOrZero(..) => true,
+                _ => false,
+            };
+            if !is_finite {
+                return false;
+            }
+            open.extend(self.operands(x));
+        }
+        true
+    }
+
     /// Whether there is an input symbol with this name.
     pub(crate) fn has_input(&self, name: &str) -> bool {
-        self.symbols.iter().any(|s| s.name == name && s.definition.is_none())
+        self.symbol_names.get(name).is_some_and(|&symbol| self.symbol_data(symbol).definition.is_none())
     }
 
     /// The number of nodes, an input.
@@ -27,7 +58,7 @@ impl Graph {
         self.input_once(NODE_COUNT, Scope::Element)
     }
 
-    /// A new symbol bound to `definition`: equal in value, but a variable of its own for differentiation.
+    /// A new symbol bound to `definition`, which is finite: equal in value, but a variable of its own for differentiation.
     pub fn bind(&mut self, name: &str, definition: ExprId) -> ExprId {
         let symbol = self.add_symbol(name, self.scope(definition), Some(definition));
         self.intern(Op::Symbol(symbol))
@@ -40,10 +71,14 @@ impl Graph {
         self.intern(Op::Symbol(symbol))
     }
 
-    /// As [`bind`](Self::bind), with a name made unique.
+    /// As [`bind`](Self::bind), with a name made unique, for any definition: it need not be finite.
     pub(crate) fn bind_unique(&mut self, name: &str, definition: ExprId) -> ExprId {
         let unique = self.unique_name(name);
-        self.bind(&unique, definition)
+        let is_finite = self.is_finite(definition);
+        let symbol = self.bind(&unique, definition);
+        let place = self.symbol_of(symbol).index();
+        self.symbols[place].is_finite = is_finite;
+        symbol
     }
 
     /// A new free variable of element scope, to be substituted before anything is evaluated. Its name is made
@@ -55,7 +90,7 @@ impl Graph {
 
     /// Whether there is a symbol with this name.
     pub(crate) fn has_symbol(&self, name: &str) -> bool {
-        self.symbols.iter().any(|s| s.name == name)
+        self.symbol_names.contains_key(name)
     }
 
     /// The name, with a number where there is a symbol of this name.
@@ -80,17 +115,26 @@ impl Graph {
     }
 
     fn add_symbol(&mut self, name: &str, scope: Scope, definition: Option<ExprId>) -> SymbolId {
-        assert!(self.symbols.iter().all(|s| s.name != name), "symbol {name} is declared twice");
-        self.symbols.push(Symbol { name: name.to_owned(), scope, definition, is_held: false });
-        SymbolId(u32::try_from(self.symbols.len() - 1).expect("fewer than 2³² symbols"))
+        let symbol = SymbolId(u32::try_from(self.symbols.len()).expect("fewer than 2³² symbols"));
+        let before = self.symbol_names.insert(name.to_owned(), symbol);
+        assert!(before.is_none(), "symbol {name} is declared twice");
+        self.symbols.push(Symbol {
+            name: name.to_owned(),
+            scope,
+            definition,
+            is_held: false,
+            is_finite: true,
+        });
+        symbol
     }
 
     /// As [`bind`](Self::bind), but a symbol bound to this expression under this name before is used again.
     pub fn bind_once(&mut self, name: &str, definition: ExprId) -> ExprId {
-        let known = self.symbols.iter().position(|s| s.name == name && s.definition == Some(definition));
-        match known {
-            Some(k) => self.intern(Op::Symbol(SymbolId(k as u32))),
-            None => self.bind(name, definition),
+        match self.symbol_names.get(name) {
+            Some(&symbol) if self.symbol_data(symbol).definition == Some(definition) => {
+                self.intern(Op::Symbol(symbol))
+            }
+            _ => self.bind(name, definition),
         }
     }
 }

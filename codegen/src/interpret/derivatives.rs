@@ -61,7 +61,10 @@ pub(crate) fn differentiated_products(
             };
             (0..direction.len()).map(entry).collect()
         };
-        let rows = if name == "hessian" { direction.len() } else { matrix.len() / direction.len() };
+        // Without nodes there may be nothing to differentiate by.
+        let values = &element.signature.values;
+        let of = values.iter().find(|of| name.strip_suffix("_jacobian") == Some(&of.name));
+        let rows = of.map_or(direction.len(), |of| of.dimensions.iter().product());
         let dot = |row: Vec<f64>| row.iter().zip(direction).map(|(x, v)| x * v).sum();
         (format!("{name}_product"), (0..rows).map(|i| dot(row(i))).collect())
     };

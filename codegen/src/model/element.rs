@@ -7,8 +7,8 @@ pub use super::element_outputs::{Defined, ElementKernels, ElementSpec, NodeResul
 use super::element_outputs::{Finished, Outputs};
 use super::signature::{Differentiated, Input, Points, Quantity, Returned, Role, Signature};
 use crate::expr::{Expr, Sheet};
-use crate::graph::{ExprId, Op, Scope};
-use crate::structure::{Implicit, contains_sum};
+use crate::graph::{ExprId, NODE_COUNT, NODE_INDEX, Op, Scope};
+use crate::structure::{Implicit, has_within, sums_in};
 
 /// Name of the value that [`ElementModel::energy`] states.
 const ENERGY: &str = "energy";
@@ -172,9 +172,10 @@ impl<'g> ElementModel<'g> {
         }
         let mut x = x;
         loop {
-            let sums = innermost_sums(x);
-            let free = |sum: &Expr<'g>| !unknowns.iter().any(|&u| sum.contains(u));
-            let sums: Vec<Expr<'g>> = sums.into_iter().filter(free).collect();
+            // The innermost ones first.
+            let is_next =
+                |sum: &Expr<'g>| !has_within(*sum, |_| true) && !unknowns.iter().any(|&u| sum.contains(u));
+            let sums: Vec<Expr<'g>> = sums_in(x).into_iter().filter(is_next).collect();
             if sums.is_empty() {
                 return x;
             }
@@ -241,16 +242,27 @@ impl<'g> ElementModel<'g> {
 
     fn input<Q: Quantity<'g>>(&self, name: &str, role: Role) -> Q {
         let (quantity, symbols) = self.declared(name, Scope::Element);
-        let (name, doc, dimensions) = (name.to_owned(), String::new(), Q::dimensions());
-        self.inputs.borrow_mut().push(Input { name, doc, role, dimensions, symbols });
+        self.add_field(
+            &self.inputs,
+            Input { name: name.to_owned(), doc: String::new(), role, dimensions: Q::dimensions(), symbols },
+        );
         quantity
     }
 
     fn node_input<Q: Quantity<'g>>(&self, name: &str, role: Role) -> Q {
         let (quantity, symbols) = self.declared(name, Scope::Node);
-        let (name, doc, dimensions) = (name.to_owned(), String::new(), Q::dimensions());
-        self.nodes.borrow_mut().push(Input { name, doc, role, dimensions, symbols });
+        self.add_field(
+            &self.nodes,
+            Input { name: name.to_owned(), doc: String::new(), role, dimensions: Q::dimensions(), symbols },
+        );
         quantity
+    }
+
+    fn add_field(&self, fields: &RefCell<Vec<Input>>, input: Input) {
+        if fields.borrow().iter().any(|other| other.name == input.name) {
+            self.fail(ElementError::Duplicate { name: input.name.clone() });
+        }
+        fields.borrow_mut().push(input);
     }
 
     /// A quantity of new symbols, and their names.
@@ -282,7 +294,10 @@ impl<'g> ElementModel<'g> {
     }
 
     pub(super) fn check_name(&self, name: &str) {
-        if syn::parse_str::<proc_macro2::Ident>(name).is_err() {
+        // `gen` is a keyword from the edition of 2024 on.
+        let is_plain =
+            syn::parse_str::<proc_macro2::Ident>(name).is_ok() && !name.starts_with("r#") && name != "gen";
+        if !is_plain {
             self.fail(ElementError::Name { name: name.to_owned() });
         }
     }
@@ -315,8 +330,11 @@ impl<'g> ElementModel<'g> {
             if !points.rows.is_empty() {
                 return Err(ElementError::NodesAndPoints);
             }
-            if inputs.iter().any(|input| input.name == NODES) {
-                return Err(ElementError::Duplicate { name: NODES.to_owned() });
+            let symbols = inputs.iter().chain(&nodes).flat_map(|input| &input.symbols);
+            let fields = inputs.iter().map(|input| &input.name).filter(|name| *name == NODES);
+            let taken = symbols.filter(|name| [NODE_COUNT, NODE_INDEX].contains(&name.as_str()));
+            if let Some(name) = fields.chain(taken).next() {
+                return Err(ElementError::Reserved { name: name.clone() });
             }
         }
         let values = outputs.iter().map(|(value, _)| value.clone()).collect();
@@ -325,29 +343,4 @@ impl<'g> ElementModel<'g> {
         let outputs = Outputs { sheet: self.sheet, outputs, implicit: self.implicit.into_inner() };
         outputs.finish(signature, self.quantities.into_inner(), self.product.get())
     }
-}
-
-/// Sums over the nodes that contain no other one.
-fn innermost_sums(x: Expr<'_>) -> Vec<Expr<'_>> {
-    let sheet = x.sheet();
-    let sums: Vec<ExprId> = {
-        let graph = sheet.graph();
-        let (mut seen, mut open, mut sums) = (rustc_hash::FxHashSet::default(), vec![x.id()], Vec::new());
-        while let Some(expr) = open.pop() {
-            if !seen.insert(expr) {
-                continue;
-            }
-            if matches!(graph.op(expr), Op::Sum(_)) {
-                sums.push(expr);
-            }
-            open.extend(graph.operands(expr));
-        }
-        sums.sort_unstable();
-        sums
-    };
-    let is_innermost = |&sum: &ExprId| match sheet.expr(sum).operation() {
-        Op::Sum(term) => !contains_sum(sheet.expr(term)),
-        _ => false,
-    };
-    sheet.exprs(sums.into_iter().filter(is_innermost))
 }

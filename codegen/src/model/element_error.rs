@@ -6,8 +6,8 @@ use crate::graph::Scope;
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum ElementError {
-    /// A name that Rust does not take as one.
-    #[error("\"{name}\" is not an identifier in lower or upper case")]
+    /// A name that is no identifier of Rust, or a keyword.
+    #[error("\"{name}\" is no name for Rust: letters, digits and `_`, no digit first, no keyword")]
     Name {
         /// The name.
         name: String,
@@ -15,6 +15,12 @@ pub enum ElementError {
     /// Two inputs, quantities or outputs have one name.
     #[error("\"{name}\" is declared twice")]
     Duplicate {
+        /// The name, or that of an entry.
+        name: String,
+    },
+    /// The name of an input that the code has itself.
+    #[error("`{name}` is a name that the code of elements with nodes has itself")]
+    Reserved {
         /// The name, or that of an entry.
         name: String,
     },
@@ -38,10 +44,10 @@ pub enum ElementError {
         /// The output.
         output: String,
     },
-    /// An output is not one value of the element, but one per node.
-    #[error("`{output}` is a value of {scope:?} scope; outputs are of element scope")]
+    /// An output, or an equation for unknowns, is not one value of the element, but one per node.
+    #[error("`{output}` is a value of {scope:?} scope; outputs and equations are of element scope")]
     Scope {
-        /// The output, or its entry.
+        /// The output, or the unknowns.
         output: String,
         /// Its scope.
         scope: Scope,
@@ -53,6 +59,14 @@ pub enum ElementError {
         output: String,
         /// The symbol.
         symbol: String,
+    },
+    /// Derivatives of how an iteration or a factorisation went.
+    #[error(
+        "`{output}` is differentiated and contains a residual, a number of iterations or a pivot ratio, which have no derivatives; state these by `value`"
+    )]
+    Figure {
+        /// The output.
+        output: String,
     },
     /// There is no input or output of this name to be described.
     #[error("there is no input or output `{name}` to describe")]

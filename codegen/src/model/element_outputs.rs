@@ -138,6 +138,11 @@ impl<'g> Outputs<'g> {
         }
         for (value, entries) in &self.outputs {
             entries.iter().try_for_each(|&x| check_output(&value.name, x, &declared))?;
+            if value.differentiated != Differentiated::Not
+                && entries.iter().any(|&x| differentiates_figure(x))
+            {
+                return Err(ElementError::Figure { output: value.name.clone() });
+            }
         }
         let variables = Variables::new(self.sheet, &signature);
         let most = self.outputs.iter().map(|(value, _)| value.differentiated as usize).max().unwrap_or(0);
@@ -385,6 +390,28 @@ fn check_output(output: &str, x: Expr<'_>, declared: &[&str]) -> Result<(), Elem
         }
     }
     Ok(())
+}
+
+/// Whether derivatives of an output are also those of how an iteration or a factorisation went. Conditions are not differentiated, but
+/// definitions in them are.
+fn differentiates_figure(x: Expr<'_>) -> bool {
+    let graph = x.sheet().graph();
+    let (mut seen, mut open) = (rustc_hash::FxHashSet::default(), vec![(x.id(), false)]);
+    while let Some((expr, is_condition)) = open.pop() {
+        if !seen.insert((expr, is_condition)) {
+            continue;
+        }
+        match graph.op(expr) {
+            Op::RootFigure(..) | Op::PivotRatio(_) if !is_condition => return true,
+            Op::Select { x, y, then, otherwise } => {
+                open.extend([x, y].map(|x| (x, true)));
+                open.extend([then, otherwise].map(|x| (x, is_condition)));
+            }
+            Op::Symbol(_) => open.extend(graph.varying_dependencies(expr).into_iter().map(|x| (x, false))),
+            _ => open.extend(graph.varying_dependencies(expr).into_iter().map(|x| (x, is_condition))),
+        }
+    }
+    false
 }
 
 impl Kernel<ElementSpec> {

@@ -5,7 +5,7 @@ use super::element_error::ElementError;
 use super::signature::Quantity;
 use crate::expr::{Expr, Matrix, Vector, total};
 use crate::graph::{Iteration, Limits, RootFigure, Scope, SymmetricSystem};
-use crate::structure::{Implicit, Jacobian, contains_sum};
+use crate::structure::{Implicit, Jacobian, sums_in};
 
 /// Where equations are solved, see [`ElementModel::root`], [`ElementModel::root_from`], [`ElementModel::minimum`],
 /// [`ElementModel::stationary_from`] and [`ElementModel::solve`].
@@ -67,6 +67,7 @@ impl<'g> ElementModel<'g> {
         let values = self.held(&format!("{name}_value"), values);
         let unknowns = self.unknowns(name);
         let equations = equations(unknowns);
+        self.check_equations(name, equations);
         let (_, at) = self
             .sheet
             .edit(|g| g.add_known_root(name, &unknowns.ids(), equations.ids().to_vec(), &values.ids()));
@@ -165,9 +166,7 @@ impl<'g> ElementModel<'g> {
         }
         let unknowns = self.unknowns(name);
         let equations = equations(unknowns).map(|equation| self.with_bound_sums(equation, &unknowns.0));
-        if equations.iter().any(|&equation| contains_sum(equation)) {
-            self.fail(ElementError::RootInSum { root: name.to_owned() });
-        }
+        self.check_equations(name, equations);
         let (root, values) = self.sheet.root_by(iteration, name, unknowns, equations);
         let values = self.define(name, values);
         if self.has_nodes() {
@@ -207,7 +206,8 @@ impl<'g> ElementModel<'g> {
         let function = function(unknowns);
         let function = if function.scope() == Scope::Node { function.sum() } else { function };
         let function = self.with_bound_sums(function, &unknowns.0);
-        let equations = unknowns.map(|u| function.by(u));
+        // What a sum is multiplied by with it may be free of unknowns now.
+        let equations = unknowns.map(|u| self.with_bound_sums(function.by(u), &unknowns.0));
         let lower: Vec<Vec<Expr<'g>>> =
             (0..N).map(|i| (0..=i).map(|j| equations[i].by(unknowns[j])).collect()).collect();
         let is_multiplier = |row: &usize| lower[*row][*row].is_zero();
@@ -231,6 +231,16 @@ impl<'g> ElementModel<'g> {
             });
         }
         Stationary { unknowns: values, pivot_ratio: system.pivot_ratio() }
+    }
+
+    /// Equations are those of the element, and their unknowns stand in no sum.
+    fn check_equations<const N: usize>(&self, name: &str, equations: Vector<'g, N>) {
+        if let Some(equation) = equations.iter().find(|equation| equation.scope() != Scope::Element) {
+            self.fail(ElementError::Scope { output: name.to_owned(), scope: equation.scope() });
+        }
+        if equations.iter().any(|&equation| !sums_in(equation).is_empty()) {
+            self.fail(ElementError::RootInSum { root: name.to_owned() });
+        }
     }
 
     /// Variables for the unknowns of equations.

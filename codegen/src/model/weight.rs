@@ -323,21 +323,44 @@ impl Weight {
 
 /// Whether a module and, in camel case, a kernel set can have this name.
 pub(super) fn is_module_name(name: &str) -> bool {
-    /// Names of the support module in lower case.
-    const TAKEN: [&str; 13] = [
+    /// Types of the support module in lower case, and its own name.
+    const TAKEN: [&str; 36] = [
         "basis",
-        "facet",
-        "custombasis",
-        "mode",
-        "inputs",
-        "lane",
-        "status",
-        "kernelset",
-        "rootsolution",
+        "batch",
+        "batchelement",
         "coefficientsvalues",
-        "surfacevalues",
+        "custombasis",
+        "domains",
+        "elementinputs",
+        "equations",
+        "facet",
+        "facetfigures",
+        "formrows",
+        "framerule",
+        "gapkernel",
         "gapvalues",
+        "inputs",
+        "isa",
+        "kernelset",
+        "lane",
+        "masters",
+        "materialnode",
+        "mode",
+        "rootsolution",
+        "second",
+        "secondkind",
+        "shape",
+        "single",
+        "solution",
+        "status",
         "support",
+        "surfacevalues",
+        "twoequations",
+        "twovariables",
+        "vector",
+        "widths",
+        "withlanes",
+        "workspace",
     ];
     name.starts_with(|c: char| c.is_ascii_lowercase())
         && name.chars().all(|c| c.is_ascii_lowercase() || c.is_ascii_digit() || c == '_')

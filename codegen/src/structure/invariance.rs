@@ -170,11 +170,15 @@ fn is_invariant<'g>(way: &Written<'g>, variables: &[Expr<'g>], group: &NodeVecto
     let moved: Vec<(Expr<'g>, Expr<'g>)> = (group.first + group.components..group.end())
         .map(|place| (variables[place], variables[place] + first[(place - group.first) % group.components]))
         .collect();
-    let definitions = way.chain.intermediates().map(|v| v.definition);
-    definitions.chain(way.outputs.iter().copied()).all(|piece| {
+    let stays = |piece: Expr<'g>| {
         let piece = piece.at(&moved);
         first.iter().all(|&x| !piece.contains(x))
-    })
+    };
+    let definitions = way.chain.intermediates().map(|v| v.definition);
+    // Nodes are not moved within equations: these are pieces of their own.
+    definitions
+        .chain(way.outputs.iter().copied())
+        .all(|piece| stays(piece) && piece.equations().into_iter().all(stays))
 }
 
 impl<'g> Writing<'g> {

@@ -236,33 +236,43 @@ impl<'g> Group<'g> {
 
     /// Whether the dependence on the nodes is that of one sum, or of equations that are linear in sums.
     fn check(&self, node: &[Expr<'g>]) -> Result<(), NoSum> {
+        // A derivative by a node's variables is that of the terms that belong to it, which shows no sum within a sum.
+        let varies = |sum: Expr<'_>| node.iter().any(|&x| sum.contains(x));
+        let is_linear = |r: &Expr<'g>| {
+            sums_in(*r).into_iter().all(|sum| !has_within(sum, varies))
+                && node.iter().all(|&x| sums_in(r.by(x)).is_empty())
+        };
         let (symbol, is_sum) = match self {
             Self::Explicit { symbol, definition } => {
                 let is_free = node.iter().all(|&x| definition.by(x).is_zero());
-                let of_terms = node.iter().all(|&x| !contains_sum(definition.by(x)));
-                (symbol, is_free || (matches!(definition.operation(), Op::Sum(_)) && of_terms))
+                (symbol, is_free || (matches!(definition.operation(), Op::Sum(_)) && is_linear(definition)))
             }
             Self::Implicit(Implicit { unknowns, equations, .. }) => {
-                (&unknowns[0], equations.iter().all(|r| node.iter().all(|&x| !contains_sum(r.by(x)))))
+                (&unknowns[0], equations.iter().all(is_linear))
             }
         };
         if is_sum { Ok(()) } else { Err(NoSum { symbol: Some(symbol.symbol_name()) }) }
     }
 }
 
-/// Whether a sum over the nodes is part of an expression.
-pub(crate) fn contains_sum(expr: Expr<'_>) -> bool {
-    let graph = expr.sheet().graph();
+/// The sums over the nodes that are part of an expression, definitions not entered, in ascending order.
+pub(crate) fn sums_in(expr: Expr<'_>) -> Vec<Expr<'_>> {
+    let (graph, mut sums) = (expr.sheet().graph(), Vec::new());
     let (mut seen, mut open) = (FxHashSet::default(), vec![expr.id()]);
     while let Some(x) = open.pop() {
-        if matches!(graph.op(x), Op::Sum(_)) {
-            return true;
-        }
         if seen.insert(x) {
+            sums.extend(matches!(graph.op(x), Op::Sum(_)).then_some(x));
             open.extend(graph.operands(x));
         }
     }
-    false
+    drop(graph);
+    sums.sort_unstable();
+    expr.sheet().exprs(sums)
+}
+
+/// Whether a sum stands within this one that fulfils a condition.
+pub(crate) fn has_within(sum: Expr<'_>, condition: impl Fn(Expr<'_>) -> bool) -> bool {
+    sums_in(sum).into_iter().any(|inner| inner != sum && condition(inner))
 }
 
 impl<'g> Jacobian<'g> {

@@ -7,7 +7,7 @@ use rustc_hash::FxHashMap;
 use std::fmt::Write as _;
 
 use super::super::derivatives::DIRECTION;
-use super::super::element::function_name;
+use super::super::element_kernel::function_name;
 use super::super::node_element::Scratch;
 use super::nodes::{
     Width, derivative_place, is_empty, node_count, node_index, node_loads, node_reads, node_stores, results,

@@ -3,10 +3,10 @@
 use std::fmt::Write as _;
 
 use super::super::derivatives::{DIRECTION, Derivative};
-use super::super::element::{function_name, title};
+use super::super::element_kernel::{function_name, title};
 use super::super::node_element::Scratch;
 use super::writer::{Access, Writer};
-use super::{field, inputs_of, lanes, places, structure, values_of};
+use super::{comment, field, inputs_of, lanes, places, structure, values_of};
 use crate::graph::{ExprId, NODE_COUNT, NODE_INDEX, Op};
 use crate::lower::lower;
 use crate::model::{DirectionSymbols, ElementKernels, ElementSpec, Kernel, NodeResult};
@@ -55,7 +55,7 @@ impl Width {
 pub(super) fn element(element: &ElementKernels) -> String {
     let signature = &element.signature;
     let (name, upper) = (&signature.name, signature.name.to_uppercase());
-    let mut text = format!("\n/* {} */\n", title(signature));
+    let mut text = format!("\n{}\n", comment(&title(signature)));
     if signature.inputs.is_empty() {
         let _ = writeln!(text, "typedef struct {{\n    char none;\n}} {name}_inputs;");
     } else {

@@ -117,7 +117,7 @@ impl<'a> Writer<'a> {
             Iteration::Within(limits) => ("advance", limits),
             Iteration::Descent => ("descend", Limits::default()),
         };
-        let size = data.unknowns.len();
+        let (size, evaluations) = (data.unknowns.len(), evaluations.min(i32::MAX as u32));
         let longest =
             if longest_step.is_finite() { format!("{longest_step:?}") } else { "HUGE_VAL".to_owned() };
         let mut text = format!(
@@ -208,11 +208,12 @@ impl<'a> Writer<'a> {
         match self.graph.op(expr) {
             Op::Constant(bits) => {
                 let value = f64::from_bits(bits);
-                if value < 0.0 {
-                    (format!("({value:?})"), Strength::Atom)
-                } else {
-                    (format!("{value:?}"), Strength::Atom)
-                }
+                let magnitude = match value.abs() {
+                    x if x.is_nan() => "NAN".to_owned(),
+                    f64::INFINITY => "INFINITY".to_owned(),
+                    x => format!("{x:?}"),
+                };
+                (if value < 0.0 { format!("(-{magnitude})") } else { magnitude }, Strength::Atom)
             }
             _ if self.layout.bound.contains(&expr) => {
                 self.trace.used.push(expr);

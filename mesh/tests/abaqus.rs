@@ -122,6 +122,39 @@ fn sets_are_united_and_found_in_any_case() {
 }
 
 #[test]
+fn a_name_as_it_is_written_comes_before_other_letter_case() {
+    let deck = "\
+*NODE
+1, 0, 0, 0
+2, 1, 0, 0
+3, 1, 1, 0
+4, 0, 1, 0
+*ELEMENT, TYPE=S3, ELSET=skin
+1, 1, 2, 3
+*ELEMENT, TYPE=S3, ELSET=other
+2, 1, 3, 4
+*ELEMENT, TYPE=S9R5, ELSET=dish
+3, 1, 2, 3
+*SURFACE, TYPE=ELEMENT, NAME=SKIN
+other, SPOS
+*SURFACE, TYPE=ELEMENT, NAME=DISH
+other, SPOS
+*NSET, NSET=Skin
+4
+";
+    let mesh = read(deck);
+    let [first, second] = [Facet::Triangle([0, 1, 2]), Facet::Triangle([0, 2, 3])];
+    assert_eq!(mesh.facets("skin").unwrap(), [first]);
+    assert_eq!(mesh.facets("SKIN").unwrap(), [second]);
+    assert_eq!(mesh.nodes_of("skin").unwrap(), [0, 1, 2]);
+    assert_eq!(mesh.nodes_of("SKIN").unwrap(), [0, 2, 3]);
+    assert_eq!(mesh.nodes_of("sKIN").unwrap(), [3], "node sets come first");
+    // What was not read is refused under its own spelling alone.
+    assert_eq!(mesh.facets("DISH").unwrap(), [second]);
+    assert!(matches!(mesh.facets("dish"), Err(MeshError::UnreadElement { tag: 3, .. })));
+}
+
+#[test]
 fn surfaces_are_faces_of_solids_and_sides_of_shells() {
     let mesh = read(FLAT);
     assert_eq!(mesh.facets("Top").unwrap(), [Facet::Quadrilateral([4, 5, 6, 7])]);

@@ -407,6 +407,17 @@ fn exports_of_gmsh_are_read() {
     assert_eq!(mesh.facets("a_b").unwrap(), [Facet::Triangle([0, 1, 2])]);
 }
 
+/// The beam's second node is its middle; a line's middle is its last.
+#[test]
+fn lines_of_three_nodes_end_with_the_middle() {
+    for kind in ["B32", "T3D3"] {
+        let mesh =
+            read(&format!("*NODE\n1, 0, 0, 0\n2, 1, 0, 0\n3, 2, 0, 0\n*ELEMENT, TYPE={kind}\n7, 1, 2, 3\n"));
+        let line = &mesh.elements()[0];
+        assert_eq!((line.kind(), line.nodes()), (ElementKind::Line3, &[0, 2, 1][..]));
+    }
+}
+
 /// A few megabytes could ask for any number of members.
 #[test]
 fn what_sets_hold_altogether_is_bounded() {

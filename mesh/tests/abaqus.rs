@@ -432,3 +432,22 @@ fn what_sets_hold_altogether_is_bounded() {
     let (_, problem) = fault(&format!("{deck}{ranges}"));
     assert!(matches!(problem, Problem::SetsTooLarge { what: "nodes", .. }), "{problem}");
 }
+
+#[test]
+fn what_surfaces_hold_altogether_is_bounded() {
+    let mut deck = "*NODE\n1, 0, 0, 0\n2, 1, 0, 0\n3, 0, 1, 0\n*ELEMENT, TYPE=S3, ELSET=all\n".to_owned();
+    for tag in 1..=20_000 {
+        deck += &format!("{tag}, 1, 2, 3\n");
+    }
+    // The same once more adds nothing and takes no time.
+    let repeated = "all, SPOS\n".repeat(200_000);
+    let mesh = read(&format!("{deck}*SURFACE, TYPE=ELEMENT, NAME=skin\n{repeated}"));
+    assert_eq!(mesh.facets("skin").unwrap().len(), 20_000);
+    let repeated = "tips\n".repeat(200_000);
+    let tips = "*NSET, NSET=tips\n1, 2\n*SURFACE, TYPE=NODE, NAME=dots\n";
+    assert_eq!(read(&format!("{deck}{tips}{repeated}")).nodes_of("dots").unwrap(), [0, 1]);
+    let surfaces: String =
+        (0..3_000).map(|k| format!("*SURFACE, TYPE=ELEMENT, NAME=skin{k}\nall, SPOS\n")).collect();
+    let (_, problem) = fault(&format!("{deck}{surfaces}"));
+    assert!(matches!(problem, Problem::SetsTooLarge { what: "elements", .. }), "{problem}");
+}

@@ -226,7 +226,8 @@ pub struct HertzArguments {
     /// Penalty over E/h of the curved body's cells
     #[arg(long, value_name = "F", default_value_t = 5.0, value_parser = positive)]
     pub penalty: f64,
-    /// How much of both bodies there is, half widths: more than the 1.3 or so of equally long cells [default: 20 of a cylinder, 10 of a ball]
+    /// How much of both bodies there is, half widths, more than the 1.3 or so of equally long cells [default: 20 of a cylinder, 10 of a
+    /// ball]
     #[arg(long, value_name = "W", value_parser = positive)]
     pub extent: Option<f64>,
     /// Number of threads [default: one for each processor, but for the linear solver, which has one]

@@ -229,8 +229,7 @@ impl<'a> Field<'a> {
     }
 }
 
-/// VTK's number of a cell type. VTK orders the nodes of these as [`ElementKind`] does, but for the wedge of six: that of fifteen has the first
-/// triangle face the other one.
+/// VTK's number of a cell type. VTK orders the nodes of these as [`ElementKind`] does, but those of the wedge of six nodes.
 fn vtk_type(kind: ElementKind) -> u8 {
     match kind {
         ElementKind::Point1 => 1,

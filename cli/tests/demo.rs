@@ -55,6 +55,29 @@ fn the_main_job_finds_the_cylinder() {
 }
 
 #[test]
+fn one_slave_node_has_a_place_in_the_picture() {
+    let scratch = Scratch::new("one-slave");
+    let text = plane(4);
+    let (text, _) = text.split_once("*NSET").unwrap();
+    let mesh = scratch.file("one.inp", &format!("{text}*NSET, NSET=SLAVE\n26\n"));
+    let sets = ["--master", "MASTER", "--slave", "SLAVE"];
+    let Run { code, stderr, .. } = run_in(&scratch, &[&["demo", "--mesh", &mesh], &sets[..]].concat());
+    assert_eq!((code, stderr.as_str()), (0, ""));
+    let picture = std::fs::read_to_string(scratch.path("diffuse-contact.svg")).unwrap();
+    assert!(!picture.contains("NaN") && !picture.contains("inf"), "{picture}");
+}
+
+#[test]
+fn the_picture_does_not_replace_the_output() {
+    let scratch = Scratch::new("one-target");
+    for picture in ["both.vtu", "./both.vtu"] {
+        run_in(&scratch, &["demo", "-o", "both.vtu", "--picture", picture])
+            .assert_refused(&[picture, "is to hold two results"]);
+    }
+    assert!(scratch.names().is_empty());
+}
+
+#[test]
 fn a_plane_is_met_exactly() {
     let scratch = Scratch::new("plane");
     let mesh = scratch.file("plane.inp", &plane(4));

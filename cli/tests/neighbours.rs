@@ -171,6 +171,7 @@ fn bad_input_is_refused_as_a_whole() {
             "basis: has no meaning for a number of hull layers",
         ),
         (without(good.clone(), "outward").to_string(), "missing field `outward`"),
+        (json!([without(good.clone(), "outward")]).to_string(), "[0]: missing field `outward`"),
         (json!([without(good.clone(), "slave")]).to_string(), "[0]: missing field `slave`"),
         (with(good.clone(), "layer", json!(2)).to_string(), "layer: unknown field `layer`, expected one of"),
         (with(good.clone(), "layer", json!(2)).to_string(), "did you mean `layers`?"),
@@ -207,9 +208,13 @@ fn the_file_of_evaluate_is_read_too() {
     assert_eq!(answer["elements"][0]["status"], "ok", "{answer}");
     // What only an element has makes no difference here, and is refused where it cannot be for an element.
     let mut whole: Value = serde_json::from_str(text).unwrap();
-    for (field, value) in
-        [("weight", json!("cubic")), ("penalty", json!(3.0)), ("frame", json!("average-plane"))]
-    {
+    for (field, value) in [
+        ("weight", json!("cubic")),
+        ("penalty", json!(3.0)),
+        ("frame", json!("average-plane")),
+        ("anchor", json!([0.1, 0.2, 0.0])),
+        ("friction", json!({"coefficient": 0.3, "stiffness": 1.0})),
+    ] {
         whole["elements"][0][field] = value.clone();
         let mut alone = whole["elements"][0].clone();
         alone
@@ -220,6 +225,18 @@ fn the_file_of_evaluate_is_read_too() {
             .assert_refused(&[&format!("{field}: has no meaning for a search")]);
     }
     assert_eq!(answers(&scratch.file("whole.json", &whole.to_string())), answer);
+    // The normal of a given frame tells what is outside, too; without either the element alone has no result, as in `evaluate`.
+    let first = whole["elements"][0].as_object_mut().unwrap();
+    first.remove("outward");
+    first["frame"] = json!({"origin": [0, 0, 0], "t1": [1, 0, 0], "t2": [0, 1, 0], "normal": [0, 0, 1]});
+    assert_eq!(answers(&scratch.file("given.json", &whole.to_string())), answer);
+    let both = json!({"elements": [without(whole["elements"][0].clone(), "frame"), whole["elements"][0]]});
+    let input = scratch.file("both.json", &both.to_string());
+    for job in ["neighbours", "evaluate"] {
+        let Run { code, stdout, .. } = run(&[job, &input]);
+        let found: Value = serde_json::from_str(&stdout).unwrap();
+        assert_eq!((code, &found["elements"][0]["code"]), (1, &json!("missing-outward")), "{job}: {found}");
+    }
     let more = json!({"elements": [], "more": 1}).to_string();
     run(&["neighbours", &scratch.file("more.json", &more)]).assert_refused(&["unknown field `more`"]);
 }

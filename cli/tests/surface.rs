@@ -56,6 +56,50 @@ fn array(path: &str, name: &str) -> Vec<f64> {
     }
 }
 
+/// A new reason of the library has a number, or stands here because this job cannot meet it.
+#[test]
+fn every_outcome_has_a_number() {
+    const NEVER_MET: [&str; 14] = [
+        "too-many-nodes",
+        "no-fit-kernels",
+        "no-friction-kernels",
+        "no-kernels",
+        "anisotropic-basis",
+        "invalid-domain",
+        "wrong-number-of-domains",
+        "held-frame",
+        "material-domains",
+        "invalid-reach",
+        "not-average-plane",
+        "facet-corners",
+        // Without a window, and not over faces.
+        "beyond-window",
+        "nothing-over",
+    ];
+    let mut codes = Vec::new();
+    for source in
+        [include_str!("../../runtime/src/error.rs"), include_str!("../../runtime/src/interface/outcome.rs")]
+    {
+        let arms = source.lines().filter_map(|line| line.split_once(" => \"")?.1.strip_suffix("\","));
+        codes.extend(arms);
+    }
+    assert!(codes.contains(&"not-material-place") && codes.contains(&"too-far"), "{codes:?}");
+    let help = run(&["surface", "--help"]).stdout;
+    let numbered: Vec<&str> = help
+        .lines()
+        .filter_map(|line| {
+            let mut words = line.split_whitespace();
+            words.next()?.parse::<u8>().ok()?;
+            words.next()
+        })
+        .collect();
+    for code in codes {
+        let is_numbered = numbered.contains(&code);
+        assert!(is_numbered != NEVER_MET.contains(&code), "{code}: {is_numbered}");
+    }
+    assert_eq!(numbered.last(), Some(&"other"));
+}
+
 #[test]
 fn every_slave_of_the_cylinder_has_its_gap() {
     let scratch = Scratch::new("surface-cylinder");

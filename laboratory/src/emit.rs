@@ -52,7 +52,7 @@ pub struct EmitArguments {
     #[arg(long, value_parser = named(Output::ALL, Output::name), required_unless_present_any = ["counts", "facet"])]
     pub output: Option<Output>,
     /// Instead of a fit's kernel, that of contact on a facet of this shape
-    #[arg(long, value_name = "SHAPE", value_parser = named(FacetShape::ALL, FacetShape::name), conflicts_with_all = ["nodes", "output", "frame_derivative", "counts"])]
+    #[arg(long, value_name = "SHAPE", value_parser = named(FacetShape::ALL, FacetShape::name), conflicts_with_all = ["nodes", "output", "frame_derivative", "counts", "basis", "weight"])]
     pub facet: Option<FacetShape>,
     /// Language of the kernel [default: rust]
     #[arg(long, value_name = "LANGUAGE", value_parser = named(Language::ALL, Language::name), conflicts_with = "counts")]
@@ -105,11 +105,14 @@ pub enum EmitError {
     },
     /// A moving frame was asked for where it makes no difference.
     #[error(
-        "--frame-derivative co-moving: there is no such kernel for {} {}, only for the gap",
+        "--frame-derivative {}: there is no such kernel for {} {}, only for gap and slip",
+        frame_name(*frame),
         output.name(),
         mode.name()
     )]
     NoMovingFrame {
+        /// What the frame does.
+        frame: FrameRule,
         /// What is computed.
         output: Output,
         /// With how many derivatives.
@@ -168,7 +171,8 @@ fn check(spec: &KernelSpec) -> Result<(), EmitError> {
     if KernelSpec::all(spec.basis, &spec.weight).contains(spec) {
         return Ok(());
     }
-    Err(EmitError::NoMovingFrame { output: spec.output, mode: spec.mode })
+    let &KernelSpec { output, mode, frame, .. } = spec;
+    Err(EmitError::NoMovingFrame { frame, output, mode })
 }
 
 /// A kernel as a C header.

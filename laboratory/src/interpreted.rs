@@ -87,8 +87,7 @@ impl Interpreted {
         let mut gap = self.evaluation(Output::Gap, element, Mode::Gradient, &inputs)?;
         let [about_point, about_slave] = [surface.scalar("pivot_ratio"), gap.scalar("pivot_ratio")];
         Ok(Conditioning {
-            // Written so that a NaN comes through.
-            pivot_ratio: if about_point >= about_slave { about_slave } else { about_point },
+            pivot_ratio: smaller(about_point, about_slave),
             plane_pivot_ratio: gap.plane_pivot_ratio(),
             jacobian_determinant: gap.scalar("jacobian_determinant"),
             foot_distance: gap.scalar("foot_distance"),
@@ -115,6 +114,11 @@ impl Interpreted {
             count: element.masters.len(),
         })
     }
+}
+
+/// The smaller of two figures; NaN if one is.
+fn smaller(x: f64, y: f64) -> f64 {
+    if x.is_nan() || x < y { x } else { y }
 }
 
 impl Backend for Interpreted {
@@ -301,6 +305,12 @@ mod tests {
 
     fn grid() -> Vec<[f64; 3]> {
         (0..9).map(|k| [f64::from(k % 3) - 1.0, f64::from(k / 3) - 1.0, 0.0]).collect()
+    }
+
+    #[test]
+    fn a_figure_that_is_no_number_stays() {
+        assert_eq!([smaller(1.0, 2.0), smaller(2.0, 1.0)], [1.0; 2]);
+        assert!(smaller(f64::NAN, 1.0).is_nan() && smaller(1.0, f64::NAN).is_nan());
     }
 
     #[test]

@@ -142,6 +142,20 @@ fn a_bad_formula_is_pointed_at() {
 
 #[test]
 fn what_no_kernel_can_be_made_for_is_refused() {
+    for frame in ["co-moving", "material"] {
+        let surface =
+            ["emit", "--nodes", "9", "--output", "surface", "--mode", "value", "--frame-derivative"];
+        run(&[&surface[..], &[frame]].concat()).assert_refused(&[
+            &format!("--frame-derivative {frame}"),
+            "surface value",
+            "only for gap and slip",
+        ]);
+    }
+    // Facets have no fit.
+    for option in [["--weight", "wendland-c2"], ["--basis", "linear"]] {
+        run(&[&["emit", "--facet", "triangle", "--mode", "value"][..], &option].concat())
+            .assert_refused(&["--facet", option[0]]);
+    }
     let refused = |nodes: &str, basis: &str, parts: &[&str]| {
         run(&["emit", "--nodes", nodes, "--output", "gap", "--mode", "value", "--basis", basis])
             .assert_refused(parts);

@@ -272,6 +272,14 @@ fn contact_does_next_to_no_work_around_a_closed_path() {
 
 /// Pressures of an elastic cylinder on an elastic block are Hertz', whichever is the slave.
 #[test]
+fn bodies_of_hertz_reach_beyond_their_equally_long_cells() {
+    for extent in ["0.5", "1.3", "1.5"] {
+        run(&["study", "hertz", "--extent", extent])
+            .assert_refused(&[&format!("--extent {extent}:"), "above 1.500"]);
+    }
+}
+
+#[test]
 fn pressures_of_a_cylinder_are_those_of_hertz() {
     let Run { code, stdout, .. } = run(&["study", "hertz", "cylinder", "--finest", "4", "--meshes", "1"]);
     assert_eq!(code, 0);

@@ -1,4 +1,4 @@
-//! Elements and facets: a kind and the nodes in one order, that of Abaqus and VTK.
+//! Elements and facets: a kind and the nodes in one order, that of Abaqus and VTK, as far as these agree.
 
 /// The most nodes of any kind.
 pub(crate) const MOST_NODES: usize = 27;

@@ -103,14 +103,18 @@ impl Mesh {
     /// middle of its edges counts as the facets between them.
     /// The result is never empty: a set without facets is an error.
     pub fn facets(&self, name: &str) -> Result<Vec<Facet>, MeshError> {
-        self.refuse_unread(&self.unread.in_surfaces, name)?;
-        if let Some(surface) = find(&self.surfaces, name).filter(|surface| !surface.is_empty()) {
-            return Ok(surface.clone());
+        let exact = self.surfaces.contains_key(name) || self.element_sets.contains_key(name);
+        if let Some((spelling, surface)) = find(&self.surfaces, name, exact) {
+            self.refuse_unread(&self.unread.in_surfaces, spelling, name)?;
+            if !surface.is_empty() {
+                return Ok(surface.clone());
+            }
         }
-        self.refuse_unread(&self.unread.in_sets, name)?;
-        let elements = find(&self.element_sets, name);
-        let facets: Vec<Facet> =
-            elements.into_iter().flatten().flat_map(|&index| self.elements[index].facets()).collect();
+        let mut facets = Vec::new();
+        if let Some((spelling, elements)) = find(&self.element_sets, name, exact) {
+            self.refuse_unread(&self.unread.in_sets, spelling, name)?;
+            facets.extend(elements.iter().flat_map(|&index| self.elements[index].facets()));
+        }
         if facets.is_empty() {
             let holds = self.content(name).ok_or_else(|| self.unknown_set(name))?;
             return Err(MeshError::NoFacets { name: name.into(), holds });
@@ -121,13 +125,14 @@ impl Mesh {
     /// The nodes of the node set, or else the surface, or else the element set, of this name, as sorted indices.
     pub fn nodes_of(&self, name: &str) -> Result<Vec<usize>, MeshError> {
         let unite = |nodes: BTreeSet<usize>| nodes.into_iter().collect();
-        if let Some(nodes) = find(&self.node_sets, name) {
+        let exact = self.is_spelled(name);
+        if let Some((_, nodes)) = find(&self.node_sets, name, exact) {
             Ok(nodes.clone())
-        } else if let Some(surface) = find(&self.surfaces, name) {
-            self.refuse_unread(&self.unread.in_surfaces, name)?;
+        } else if let Some((spelling, surface)) = find(&self.surfaces, name, exact) {
+            self.refuse_unread(&self.unread.in_surfaces, spelling, name)?;
             Ok(unite(surface.iter().flat_map(Facet::nodes).copied().collect()))
-        } else if let Some(elements) = find(&self.element_sets, name) {
-            self.refuse_unread(&self.unread.in_sets, name)?;
+        } else if let Some((spelling, elements)) = find(&self.element_sets, name, exact) {
+            self.refuse_unread(&self.unread.in_sets, spelling, name)?;
             Ok(unite(elements.iter().flat_map(|&index| self.elements[index].nodes()).copied().collect()))
         } else {
             Err(self.unknown_set(name))
@@ -136,9 +141,11 @@ impl Mesh {
 
     /// The elements of the element set of this name, as sorted indices.
     pub fn elements_of(&self, name: &str) -> Result<&[usize], MeshError> {
-        self.refuse_unread(&self.unread.in_sets, name)?;
-        match find(&self.element_sets, name) {
-            Some(elements) => Ok(elements),
+        match find(&self.element_sets, name, self.element_sets.contains_key(name)) {
+            Some((spelling, elements)) => {
+                self.refuse_unread(&self.unread.in_sets, spelling, name)?;
+                Ok(elements)
+            }
             None => {
                 let holds = self.content(name).ok_or_else(|| self.unknown_set(name))?;
                 Err(MeshError::NoElements { name: name.into(), holds })
@@ -146,25 +153,38 @@ impl Mesh {
         }
     }
 
-    fn refuse_unread(&self, sets: &BTreeMap<String, usize>, name: &str) -> Result<(), MeshError> {
-        let Some(&index) = find(sets, name) else { return Ok(()) };
+    /// Whether a set or surface has this name as it is written.
+    fn is_spelled(&self, name: &str) -> bool {
+        self.node_sets.contains_key(name)
+            || self.element_sets.contains_key(name)
+            || self.surfaces.contains_key(name)
+    }
+
+    fn refuse_unread(
+        &self,
+        sets: &BTreeMap<String, usize>,
+        spelling: &str,
+        name: &str,
+    ) -> Result<(), MeshError> {
+        let Some(&index) = sets.get(spelling) else { return Ok(()) };
         let UnreadElement { tag, kind } = self.unread.elements[index].clone();
         Err(MeshError::UnreadElement { name: name.into(), tag, kind })
     }
 
     /// What there is by this name, in words.
     fn content(&self, name: &str) -> Option<String> {
+        let exact = self.is_spelled(name);
         let mut counts = BTreeMap::new();
-        let elements = find(&self.element_sets, name);
+        let elements = find(&self.element_sets, name, exact).map(|(_, elements)| elements);
         for &index in elements.into_iter().flatten() {
             *counts.entry(self.elements[index].kind()).or_insert(0) += 1;
         }
         let mut parts: Vec<String> =
             counts.iter().map(|(kind, count)| format!("{count} {}", kind.plural())).collect();
-        let surface = find(&self.surfaces, name);
-        parts.extend(surface.map(|facets| format!("{} facets", facets.len())));
-        let nodes = find(&self.node_sets, name);
-        parts.extend(nodes.map(|nodes| format!("{} nodes", nodes.len())));
+        let surface = find(&self.surfaces, name, exact);
+        parts.extend(surface.map(|(_, facets)| format!("{} facets", facets.len())));
+        let nodes = find(&self.node_sets, name, exact);
+        parts.extend(nodes.map(|(_, nodes)| format!("{} nodes", nodes.len())));
         if parts.is_empty() && elements.is_some() {
             parts.push("nothing".into());
         }
@@ -181,16 +201,18 @@ impl Mesh {
     }
 }
 
-/// The entry of this name or, failing that, the only one whose name differs by letter case alone.
-fn find<'a, T>(sets: &'a BTreeMap<String, T>, name: &str) -> Option<&'a T> {
-    sets.get(name).or_else(|| {
-        let folded = name.to_lowercase();
-        let mut alike = sets.iter().filter(|(candidate, _)| candidate.to_lowercase() == folded);
-        match (alike.next(), alike.next()) {
-            (Some((_, set)), None) => Some(set),
-            _ => None,
-        }
-    })
+/// The entry of this name. Unless it has to be `exact`, as it has if any of the name spaces in question has it so, the only one whose name
+/// differs by letter case alone. With it, how the name is spelled.
+fn find<'a, T>(sets: &'a BTreeMap<String, T>, name: &str, exact: bool) -> Option<(&'a String, &'a T)> {
+    if exact {
+        return sets.get_key_value(name);
+    }
+    let folded = name.to_lowercase();
+    let mut alike = sets.iter().filter(|(candidate, _)| candidate.to_lowercase() == folded);
+    match (alike.next(), alike.next()) {
+        (found, None) => found,
+        _ => None,
+    }
 }
 
 #[cfg(test)]
@@ -200,10 +222,10 @@ mod tests {
     #[test]
     fn names_are_found_in_other_case_only_if_unique() {
         let sets = BTreeMap::from([("A".to_string(), 1), ("a".to_string(), 2), ("Plate".to_string(), 3)]);
-        assert_eq!(find(&sets, "a"), Some(&2));
-        assert_eq!(find(&sets, "PLATE"), Some(&3));
-        assert_eq!(find(&sets, "b"), None);
+        assert_eq!(find(&sets, "a", true), Some((&"a".to_string(), &2)));
+        assert_eq!(find(&sets, "PLATE", false), Some((&"Plate".to_string(), &3)));
+        assert_eq!([find(&sets, "b", false), find(&sets, "b", true)], [None; 2]);
         let both = BTreeMap::from([("Ab".to_string(), 1), ("aB".to_string(), 2)]);
-        assert_eq!(find(&both, "ab"), None);
+        assert_eq!(find(&both, "ab", false), None);
     }
 }

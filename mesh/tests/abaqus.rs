@@ -122,6 +122,39 @@ fn sets_are_united_and_found_in_any_case() {
 }
 
 #[test]
+fn a_name_as_it_is_written_comes_before_other_letter_case() {
+    let deck = "\
+*NODE
+1, 0, 0, 0
+2, 1, 0, 0
+3, 1, 1, 0
+4, 0, 1, 0
+*ELEMENT, TYPE=S3, ELSET=skin
+1, 1, 2, 3
+*ELEMENT, TYPE=S3, ELSET=other
+2, 1, 3, 4
+*ELEMENT, TYPE=S9R5, ELSET=dish
+3, 1, 2, 3
+*SURFACE, TYPE=ELEMENT, NAME=SKIN
+other, SPOS
+*SURFACE, TYPE=ELEMENT, NAME=DISH
+other, SPOS
+*NSET, NSET=Skin
+4
+";
+    let mesh = read(deck);
+    let [first, second] = [Facet::Triangle([0, 1, 2]), Facet::Triangle([0, 2, 3])];
+    assert_eq!(mesh.facets("skin").unwrap(), [first]);
+    assert_eq!(mesh.facets("SKIN").unwrap(), [second]);
+    assert_eq!(mesh.nodes_of("skin").unwrap(), [0, 1, 2]);
+    assert_eq!(mesh.nodes_of("SKIN").unwrap(), [0, 2, 3]);
+    assert_eq!(mesh.nodes_of("sKIN").unwrap(), [3], "node sets come first");
+    // What was not read is refused under its own spelling alone.
+    assert_eq!(mesh.facets("DISH").unwrap(), [second]);
+    assert!(matches!(mesh.facets("dish"), Err(MeshError::UnreadElement { tag: 3, .. })));
+}
+
+#[test]
 fn surfaces_are_faces_of_solids_and_sides_of_shells() {
     let mesh = read(FLAT);
     assert_eq!(mesh.facets("Top").unwrap(), [Facet::Quadrilateral([4, 5, 6, 7])]);
@@ -374,6 +407,17 @@ fn exports_of_gmsh_are_read() {
     assert_eq!(mesh.facets("a_b").unwrap(), [Facet::Triangle([0, 1, 2])]);
 }
 
+/// The beam's second node is its middle; a line's middle is its last.
+#[test]
+fn lines_of_three_nodes_end_with_the_middle() {
+    for kind in ["B32", "T3D3"] {
+        let mesh =
+            read(&format!("*NODE\n1, 0, 0, 0\n2, 1, 0, 0\n3, 2, 0, 0\n*ELEMENT, TYPE={kind}\n7, 1, 2, 3\n"));
+        let line = &mesh.elements()[0];
+        assert_eq!((line.kind(), line.nodes()), (ElementKind::Line3, &[0, 2, 1][..]));
+    }
+}
+
 /// A few megabytes could ask for any number of members.
 #[test]
 fn what_sets_hold_altogether_is_bounded() {
@@ -387,4 +431,23 @@ fn what_sets_hold_altogether_is_bounded() {
     let ranges: String = (0..5_000).map(|k| format!("1, {}\n", 20_000 - k)).collect();
     let (_, problem) = fault(&format!("{deck}{ranges}"));
     assert!(matches!(problem, Problem::SetsTooLarge { what: "nodes", .. }), "{problem}");
+}
+
+#[test]
+fn what_surfaces_hold_altogether_is_bounded() {
+    let mut deck = "*NODE\n1, 0, 0, 0\n2, 1, 0, 0\n3, 0, 1, 0\n*ELEMENT, TYPE=S3, ELSET=all\n".to_owned();
+    for tag in 1..=20_000 {
+        deck += &format!("{tag}, 1, 2, 3\n");
+    }
+    // The same once more adds nothing and takes no time.
+    let repeated = "all, SPOS\n".repeat(200_000);
+    let mesh = read(&format!("{deck}*SURFACE, TYPE=ELEMENT, NAME=skin\n{repeated}"));
+    assert_eq!(mesh.facets("skin").unwrap().len(), 20_000);
+    let repeated = "tips\n".repeat(200_000);
+    let tips = "*NSET, NSET=tips\n1, 2\n*SURFACE, TYPE=NODE, NAME=dots\n";
+    assert_eq!(read(&format!("{deck}{tips}{repeated}")).nodes_of("dots").unwrap(), [0, 1]);
+    let surfaces: String =
+        (0..3_000).map(|k| format!("*SURFACE, TYPE=ELEMENT, NAME=skin{k}\nall, SPOS\n")).collect();
+    let (_, problem) = fault(&format!("{deck}{surfaces}"));
+    assert!(matches!(problem, Problem::SetsTooLarge { what: "elements", .. }), "{problem}");
 }

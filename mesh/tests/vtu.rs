@@ -160,6 +160,24 @@ fn a_mesh_is_written_with_all_its_cells() {
     );
 }
 
+/// The first triangle of VTK_WEDGE looks away from the other one, that of VTK_QUADRATIC_WEDGE towards it.
+#[test]
+fn wedges_are_not_inside_out() {
+    let nodes: Vec<usize> = (1..16).collect();
+    let grid = VtuFile::new()
+        .points(vec![[0.0; 3]; 16])
+        .cell(ElementKind::Point1, &[0])
+        .cell(ElementKind::Wedge6, &nodes[..6])
+        .cell(ElementKind::Wedge15, &nodes);
+    let arrays = parse(&written(&grid));
+    let array = |name: &str| &arrays[&("Cells".to_string(), name.to_string())];
+    assert_eq!(
+        *array("connectivity"),
+        integers("Int64", &[0, 1, 3, 2, 4, 6, 5, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15])
+    );
+    assert_eq!(*array("types"), integers("UInt8", &[1, 13, 26]));
+}
+
 #[test]
 fn what_does_not_fit_is_refused() {
     let error = |grid: VtuFile| grid.write_to(&mut Vec::new()).unwrap_err();

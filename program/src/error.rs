@@ -17,6 +17,12 @@ pub enum CliError {
         /// The file.
         path: PathBuf,
     },
+    /// Two results would be one file.
+    #[error("{}: is to hold two results; give another name for one of them", path.display())]
+    OutputIsOutput {
+        /// The file.
+        path: PathBuf,
+    },
     /// An input file cannot be read.
     #[error("{}: cannot be read: {}", path.display(), reason_of(reason))]
     Read {

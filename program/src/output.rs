@@ -39,6 +39,21 @@ pub fn check_distinct(input: &Path, output: &Path) -> Result<(), CliError> {
     }
 }
 
+/// Refuses to write two results to one file, which need not exist yet. A pipe or device takes both.
+pub fn check_apart(one: &Path, other: &Path) -> Result<(), CliError> {
+    let place = |path: &Path| {
+        let in_directory =
+            |_| Ok(fs::canonicalize(directory_of(path))?.join(path.file_name().unwrap_or_default()));
+        fs::canonicalize(path).or_else(in_directory)
+    };
+    let is_device = fs::metadata(one).is_ok_and(|found| !found.is_file());
+    let places: io::Result<_> = place(one).and_then(|one| Ok((one, place(other)?)));
+    match places {
+        Ok((one, also)) if one == also && !is_device => Err(CliError::OutputIsOutput { path: other.into() }),
+        _ => Ok(()),
+    }
+}
+
 /// Writes a file by filling a temporary one in the same directory and renaming it when it is complete. A pipe or
 /// device that exists under this name is written to, not replaced.
 pub fn write_file(path: &Path, fill: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> Result<(), CliError> {
@@ -136,5 +151,22 @@ mod tests {
         assert!(matches!(check_target(&missing), Err(CliError::NoDirectory { .. })));
         assert!(check_target(Path::new("out.json")).is_ok());
         fs::remove_dir_all(&directory).unwrap();
+    }
+
+    #[test]
+    fn two_results_are_not_one_file() {
+        let directory = directory("apart");
+        let path = directory.join("out.vtu");
+        let roundabout = directory.join(".").join("out.vtu");
+        assert!(check_apart(&path, &directory.join("out.svg")).is_ok());
+        let refused = |one: &Path, other: &Path| matches!(check_apart(one, other), Err(CliError::OutputIsOutput { path }) if path == other);
+        // Before there is such a file, and then.
+        assert!(refused(&path, &path) && refused(&path, &roundabout));
+        fs::write(&path, "old").unwrap();
+        assert!(refused(&path, &path) && refused(&roundabout, &path));
+        fs::remove_dir_all(&directory).unwrap();
+        if cfg!(unix) {
+            assert!(check_apart(Path::new("/dev/null"), Path::new("/dev/null")).is_ok());
+        }
     }
 }

@@ -1,6 +1,7 @@
 //! Residual and tangent of an interface.
 
 use diffuse_contact::assembly::{AssemblyError, Triangle, Triplets, add_forces};
+use diffuse_contact::interface::ContactRef;
 use numpy::PyArray1;
 use pyo3::prelude::*;
 
@@ -63,16 +64,18 @@ impl Interface {
         let law = own.law(py)?;
         let contacts = this.contacts(py)?;
         law.validate_for(contacts).map_err(|error| error.raise(py))?;
-        let mut forces = Vec::with_capacity(contacts.len());
-        for (element, contact) in contacts.iter().enumerate() {
+        let force = |(element, contact): (usize, ContactRef<'_>)| {
             let (gap, area) = (contact.point.gap, contact.area);
             let force = if contact.outcome.is_contact() { law.force(element, gap, area) } else { 0.0 };
-            if !force.is_finite() {
-                let penalty = law.penalty;
-                return Err(AssemblyError::ForceOverflow { element, penalty, area, gap }.raise(py));
+            let penalty = law.penalty;
+            if force.is_finite() {
+                Ok(force)
+            } else {
+                Err(AssemblyError::ForceOverflow { element, penalty, area, gap })
             }
-            forces.push(force);
-        }
-        Ok(PyArray1::from_vec(py, forces))
+        };
+        let forces =
+            threads::run(py, || contacts.iter().enumerate().map(force).collect::<Result<Vec<f64>, _>>())?;
+        Ok(PyArray1::from_vec(py, forces.map_err(|error| error.raise(py))?))
     }
 }

@@ -86,7 +86,8 @@ macro_rules! has_history {
                 let mut this = exclusive(slf)?;
                 let history = readable(history)?;
                 let history = slice(py, &history)?;
-                this.interface.set_history(history).map_err(|error| error.raise(py))?;
+                let interface = &mut this.interface;
+                threads::run(py, || interface.set_history(history))?.map_err(|error| error.raise(py))?;
                 this.current = false;
                 Ok(())
             }

@@ -67,6 +67,6 @@ pub fn tributary_areas<'py>(
 ) -> PyResult<Bound<'py, PyArray1<f64>>> {
     let (positions, corners) = (readable(positions)?, readable(corners)?);
     let (positions, facets) = (points(py, &positions)?, facets(py, &corners)?);
-    let areas = surface::tributary_areas(positions, &facets).map_err(|error| error.raise(py))?;
-    Ok(PyArray1::from_vec(py, areas))
+    let areas = threads::run(py, || surface::tributary_areas(positions, &facets))?;
+    Ok(PyArray1::from_vec(py, areas.map_err(|error| error.raise(py))?))
 }

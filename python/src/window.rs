@@ -48,7 +48,8 @@ pub fn boxes_around<'py>(
     most: usize,
 ) -> PyResult<Numbers<'py>> {
     let around = readable(around)?;
-    let boxes = window::boxes_around(points(py, &around)?, reach, most);
+    let around = points(py, &around)?;
+    let boxes = threads::run(py, || window::boxes_around(around, reach, most))?;
     Ok(PyArray1::from_slice(py, boxes.as_flattened().as_flattened()))
 }
 
@@ -61,16 +62,18 @@ pub fn extents(
 ) -> PyResult<ExtentsRow> {
     let (positions, corners) = (readable(positions)?, readable(corners)?);
     let (positions, facets) = (points(py, &positions)?, facets(py, &corners)?);
-    let part = PartFacets {
-        positions,
-        node_numbers: &[],
-        facet_numbers: &[],
-        owned: &vec![true; facets.len()],
-        facets: &facets,
-        known: [[0.0; 3]; 2],
-        extents: Extents::NONE,
-    };
-    let Extents { low, high, facet } = part.own_extents();
+    let Extents { low, high, facet } = threads::run(py, || {
+        let part = PartFacets {
+            positions,
+            node_numbers: &[],
+            facet_numbers: &[],
+            owned: &vec![true; facets.len()],
+            facets: &facets,
+            known: [[0.0; 3]; 2],
+            extents: Extents::NONE,
+        };
+        part.own_extents()
+    })?;
     Ok((low, high, facet))
 }
 

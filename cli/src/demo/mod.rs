@@ -32,6 +32,9 @@ pub fn run(arguments: &DemoArguments) -> Result<(), CliError> {
             output::check_distinct(mesh, target)?;
         }
     }
+    if let Some(picture) = &picture {
+        output::check_apart(&arguments.output, picture)?;
+    }
     let sets = &arguments.sets;
     let options = InterfaceOptions::default();
     let start = Instant::now();

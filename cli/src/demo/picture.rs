@@ -119,7 +119,8 @@ impl Drawing {
         };
         let ranges = [range(0), range(1)];
         let scale = [0, 1].map(|axis| SIZE[axis] / (ranges[axis][1] - ranges[axis][0]));
-        let scale = scale[0].min(scale[1]);
+        // A single node has no extent.
+        let scale = Some(scale[0].min(scale[1])).filter(|scale| scale.is_finite()).unwrap_or(1.0);
         let place = |x: &Point| {
             let [right, down] = [0, 1].map(|axis| {
                 let middle = 0.5 * (ranges[axis][0] + ranges[axis][1]);

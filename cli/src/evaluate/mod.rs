@@ -6,7 +6,7 @@
 
 mod arguments;
 mod result;
-mod schema;
+pub(crate) mod schema;
 
 use std::io::{self, Write};
 use std::process::ExitCode;

@@ -9,6 +9,7 @@ use diffuse_contact::{
 use serde::Serialize;
 
 use super::schema::{ElementInput, FrameInput, FrictionInput, Metric};
+use crate::contact_options::frame_name;
 use crate::json::{Coordinates, FrameOutput};
 use crate::outcome::Outcome;
 
@@ -30,7 +31,7 @@ pub struct Evaluated {
     /// The frame that was used.
     frame: FrameOutput,
     /// What it did while the gap was differentiated.
-    frame_derivative: FrameDerivativeOutput,
+    frame_derivative: &'static str,
     /// The support radius that was used; with domains in the first configuration the distance of the farthest master within reach.
     support_radius: f64,
     /// The slave's place in the first configuration, if the element has domains there.
@@ -76,23 +77,6 @@ struct FrictionOutput {
     force: Vec<f64>,
     /// K = −∂R/∂x, full rows; in slip not symmetric.
     tangent: Vec<Vec<f64>>,
-}
-
-/// The motion of a frame, in the word for which it can be asked.
-#[derive(Debug, Serialize)]
-#[serde(rename_all = "kebab-case")]
-enum FrameDerivativeOutput {
-    Held,
-    CoMoving,
-}
-
-impl From<FrameDerivative> for FrameDerivativeOutput {
-    fn from(derivative: FrameDerivative) -> Self {
-        match derivative {
-            FrameDerivative::Held => Self::Held,
-            FrameDerivative::CoMoving => Self::CoMoving,
-        }
-    }
 }
 
 /// Most masters of an element: its two matrices have nine times the square of their number as entries, each about twenty characters of
@@ -353,7 +337,7 @@ fn answer(
         normal: gap.normal,
         coefficients: gap.coefficients,
         frame: element.frame.into(),
-        frame_derivative: element.frame.derivative.into(),
+        frame_derivative: frame_name(element.frame.derivative),
         support_radius: element.support_radius,
         place,
         regularity: element_regularity(element),

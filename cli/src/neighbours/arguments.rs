@@ -8,7 +8,8 @@ use clap::Args;
 const NEIGHBOUR_FORMATS: &str = r#"IN.json, one search, a list [...] of them, or the same file as for evaluate, {"elements": [...]}:
   {"slave": [x, y, z],
    "masters": [[x, y, z], ...],     at least 3, or the file is refused
-   "outward": [x, y, z],            direction to the outside of the master, any length
+   "outward": [x, y, z],            direction to the outside of the master, any length; needed but for an element
+                                    whose frame is given: its normal stands in
    "rule": "hull-layers",           the nodes of the first layers of convex hulls around the slave; the default
            "hull-radius",           the layers set the support radius, all nodes within take part
            "nearest",               the nearest nodes

@@ -1,5 +1,6 @@
 //! What `neighbours` answers for one search.
 
+use diffuse_contact::Point;
 use diffuse_contact::neighbourhood::{
     Fallback, NeighbourRule, NeighbourSearch, Neighbourhood, NeighbourhoodError, SearchOptions, hull_layers,
 };
@@ -57,15 +58,19 @@ enum FallbackOutput {
 
 /// Searches the neighbours of one slave.
 pub fn search(input: &SearchInput) -> Outcome<Found> {
-    match find(input) {
+    let Some(outward) = input.outward() else {
+        let message = "`outward` is missing: it tells which side of the masters is outside".to_owned();
+        return Outcome::Error { code: "missing-outward", message };
+    };
+    match find(input, outward) {
         Ok(neighbourhood) => Outcome::Ok(Box::new(Found::new(input.rule, neighbourhood))),
         Err(error) => Outcome::Error { code: error.code(), message: error.to_string() },
     }
 }
 
-fn find(input: &SearchInput) -> Result<Neighbourhood, NeighbourhoodError> {
+fn find(input: &SearchInput, outward: Point) -> Result<Neighbourhood, NeighbourhoodError> {
     let masters = input.masters();
-    let (slave, outward) = (input.slave.0, input.outward.0);
+    let slave = input.slave.0;
     let layers = input.layers.map(|Count(layers)| layers);
     let rule = match (input.rule, layers) {
         (Rule::HullLayers, Some(layers)) => return hull_layers(slave, &masters, outward, layers),

@@ -8,7 +8,8 @@
 //!  "layers": 1}
 //! ```
 //!
-//! or a list of such objects, or what `evaluate` reads, `{"elements": [...]}`, whose fields on the element are passed over. `slave`, `masters` and `outward` are always needed; the defaults are those of
+//! or a list of such objects, or what `evaluate` reads, `{"elements": [...]}`, whose fields on the element are passed over. `slave` and
+//! `masters` are always needed, and so is `outward`, for which the normal of an element's frame stands in. The defaults are those of
 //! [`SearchInput`]'s fields. Nothing else is accepted. All coordinates are global, in one length unit.
 
 use std::fmt;
@@ -19,6 +20,7 @@ use serde::de::value::{MapAccessDeserializer, SeqAccessDeserializer};
 use serde::de::{Deserialize, Deserializer, IgnoredAny, MapAccess, SeqAccess, Visitor};
 
 use crate::error::CliError;
+use crate::evaluate::schema::FrameInput;
 use crate::json::{self, BasisName, Coordinates, Object};
 
 /// The whole file.
@@ -60,8 +62,7 @@ pub struct SearchInput {
     pub slave: Coordinates,
     /// Master nodes.
     masters: Vec<Coordinates>,
-    /// A direction to the outward side of the master surface, of any length.
-    pub outward: Coordinates,
+    outward: Option<Coordinates>,
     /// Which nodes take part; `hull-layers` if left out.
     #[serde(default)]
     pub rule: Rule,
@@ -72,7 +73,7 @@ pub struct SearchInput {
     pub count: Option<Count>,
     /// Basis the nodes are to carry; `quadratic`, and `linear` where no nodes carry that, if left out.
     pub basis: Option<BasisName>,
-    frame: Option<IgnoredAny>,
+    frame: Option<FrameInput>,
     frame_derivative: Option<IgnoredAny>,
     support_radius: Option<IgnoredAny>,
     support_radii: Option<IgnoredAny>,
@@ -80,23 +81,48 @@ pub struct SearchInput {
     metrics: Option<IgnoredAny>,
     weight: Option<IgnoredAny>,
     penalty: Option<IgnoredAny>,
+    anchor: Option<IgnoredAny>,
+    friction: Option<IgnoredAny>,
+}
+
+/// One search that is no element.
+#[derive(serde::Deserialize)]
+#[serde(try_from = "SearchInput")]
+struct Search(SearchInput);
+
+impl TryFrom<SearchInput> for Search {
+    type Error = &'static str;
+
+    fn try_from(input: SearchInput) -> Result<Self, Self::Error> {
+        if input.outward.is_some() { Ok(Self(input)) } else { Err("missing field `outward`") }
+    }
 }
 
 impl SearchInput {
     /// A field that only an element has.
     pub fn field_of_element(&self) -> Option<&'static str> {
-        let Self { frame, frame_derivative, support_radius, support_radii, weight, penalty, .. } = self;
         let fields = [
-            ("frame", frame),
-            ("frame_derivative", frame_derivative),
-            ("support_radius", support_radius),
-            ("support_radii", support_radii),
-            ("first_positions", &self.first_positions),
-            ("metrics", &self.metrics),
-            ("weight", weight),
-            ("penalty", penalty),
+            ("frame", self.frame.is_some()),
+            ("frame_derivative", self.frame_derivative.is_some()),
+            ("support_radius", self.support_radius.is_some()),
+            ("support_radii", self.support_radii.is_some()),
+            ("first_positions", self.first_positions.is_some()),
+            ("metrics", self.metrics.is_some()),
+            ("weight", self.weight.is_some()),
+            ("penalty", self.penalty.is_some()),
+            ("anchor", self.anchor.is_some()),
+            ("friction", self.friction.is_some()),
         ];
-        fields.into_iter().find(|(_, value)| value.is_some()).map(|(name, _)| name)
+        fields.into_iter().find(|(_, is_given)| *is_given).map(|(name, _)| name)
+    }
+
+    /// A direction to the outward side of the master surface, of any length: that given, or the normal of an element's frame.
+    pub fn outward(&self) -> Option<Point> {
+        let of_frame = match &self.frame {
+            Some(FrameInput::Given(frame)) => Some(frame.normal),
+            _ => None,
+        };
+        self.outward.or(of_frame).map(|direction| direction.0)
     }
 
     /// Positions of the masters.
@@ -156,12 +182,13 @@ impl<'de> Visitor<'de> for DocumentVisitor {
     }
 
     fn visit_map<A: MapAccess<'de>>(self, map: A) -> Result<Document, A::Error> {
-        let search = SearchInput::deserialize(MapAccessDeserializer::new(map))?;
+        let Search(search) = Search::deserialize(MapAccessDeserializer::new(map))?;
         Ok(Document { searches: vec![Object(search)], layout: Layout::One })
     }
 
     fn visit_seq<A: SeqAccess<'de>>(self, list: A) -> Result<Document, A::Error> {
-        let searches = Vec::deserialize(SeqAccessDeserializer::new(list))?;
+        let searches = Vec::<Object<Search>>::deserialize(SeqAccessDeserializer::new(list))?;
+        let searches = searches.into_iter().map(|Object(Search(search))| Object(search)).collect();
         Ok(Document { searches, layout: Layout::List })
     }
 }

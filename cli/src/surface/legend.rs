@@ -6,7 +6,7 @@ use diffuse_contact::interface::Outcome;
 const OTHER: i32 = 99;
 
 /// Number, name, meaning.
-const CODES: [(i32, &str, &str); 19] = [
+const CODES: [(i32, &str, &str); 20] = [
     (0, "contact", "gap, normal and foot are valid"),
     (1, "too-few-nodes", "fewer master nodes than the fit needs"),
     (2, "non-finite-input", "a coordinate is not a finite number"),
@@ -25,6 +25,7 @@ const CODES: [(i32, &str, &str); 19] = [
     (15, "too-far", "the closest facet is farther away than the distance limit"),
     (16, "no-candidate", "no master nodes on its side of sharp edges carry a smooth surface"),
     (17, "degenerate-facet", "the closest facet has no normal at the foot"),
+    (18, "not-material-place", "the slave's place in the first configuration was not found"),
     (OTHER, "other", "a reason this table does not know"),
 ];
 

@@ -7,7 +7,7 @@ use diffuse_contact::{Element, Point};
 use diffuse_contact_codegen::{Basis, FrameRule, Output};
 use serde::ser::{Serialize, SerializeStruct, Serializer};
 
-use super::blocks::Subject;
+use super::blocks::{Subject, worse};
 use super::report::Worst;
 use crate::emit::frame_name;
 
@@ -38,7 +38,7 @@ impl BalanceRow {
     }
 
     pub(super) fn passes(&self) -> bool {
-        self.worst.as_ref().is_none_or(Worst::passes)
+        self.worst.as_ref().is_some_and(Worst::passes)
     }
 
     pub(super) fn add(&mut self, difference: f64, (basis, nodes): (Basis, usize)) {
@@ -62,9 +62,7 @@ pub(super) fn sums(element: &Element<'_>, gradient: &[f64]) -> [f64; 2] {
             moment[axis] += arm[next] * n[last] - arm[last] * n[next];
         }
     }
-    let most = |sum: Point| {
-        sum.iter().fold(0.0, |most: f64, x| if x.is_nan() { f64::NAN } else { most.max(x.abs()) })
-    };
+    let most = |sum: Point| sum.into_iter().map(f64::abs).fold(0.0, worse);
     [most(force) / largest, most(moment) / (element.support_radius * largest)]
 }
 
@@ -102,5 +100,8 @@ mod tests {
         assert_eq!(sums(&element, &along), [0.0, 0.0]);
         let across = [0.0, 0.0, -2.0, 0.0, 0.0, 2.0, 0.0, 0.0, 1.0];
         assert_eq!(sums(&element, &across), [0.5, 0.25]);
+        // Also where numbers follow.
+        let broken = [f64::NAN, 0.0, -2.0, 0.0, 0.0, 2.0, 0.0, 0.0, 1.0];
+        assert!(sums(&element, &broken).into_iter().all(f64::is_nan));
     }
 }

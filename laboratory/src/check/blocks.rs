@@ -29,6 +29,16 @@ impl Subject {
     pub const ALL: [Self; 8] =
         [COEFFICIENTS, SURFACE, GAP, CO_MOVING_GAP, MATERIAL_GAP, SLIP, CO_MOVING_SLIP, MATERIAL_SLIP];
 
+    /// Symbols of its blocks, in the order of the report.
+    const fn blocks(self) -> &'static [&'static str] {
+        match self.output {
+            Output::Coefficients => &["α", "∂α/∂x", "∂²α/∂x²"],
+            Output::Surface => &["f", "f_l", "f_lm", "∇f", "T_l", "H_f"],
+            Output::Gap => &["g", "foot", "ν", "α", "N", "M", "φ", "∂x^d/∂x", "∂ν/∂x"],
+            Output::Slip => &["g", "N", "M", "q", "∇q", "∇²q", "φ"],
+        }
+    }
+
     /// Name in the report.
     #[must_use]
     pub fn name(self) -> String {
@@ -59,70 +69,16 @@ pub struct Block {
     pub name: &'static str,
 }
 
-const fn block(subject: Subject, name: &'static str) -> Block {
-    Block { subject, name }
+/// All blocks, in the order of the report.
+pub fn blocks() -> impl Iterator<Item = Block> {
+    let of = |subject: Subject| subject.blocks().iter().map(move |&name| Block { subject, name });
+    Subject::ALL.into_iter().flat_map(of)
 }
 
-/// All blocks, in the order of the report.
-pub const BLOCKS: [Block; 57] = [
-    block(COEFFICIENTS, "α"),
-    block(COEFFICIENTS, "∂α/∂x"),
-    block(COEFFICIENTS, "∂²α/∂x²"),
-    block(SURFACE, "f"),
-    block(SURFACE, "f_l"),
-    block(SURFACE, "f_lm"),
-    block(SURFACE, "∇f"),
-    block(SURFACE, "T_l"),
-    block(SURFACE, "H_f"),
-    block(GAP, "g"),
-    block(GAP, "foot"),
-    block(GAP, "ν"),
-    block(GAP, "α"),
-    block(GAP, "N"),
-    block(GAP, "M"),
-    block(GAP, "φ"),
-    block(GAP, "∂x^d/∂x"),
-    block(GAP, "∂ν/∂x"),
-    block(CO_MOVING_GAP, "g"),
-    block(CO_MOVING_GAP, "foot"),
-    block(CO_MOVING_GAP, "ν"),
-    block(CO_MOVING_GAP, "α"),
-    block(CO_MOVING_GAP, "N"),
-    block(CO_MOVING_GAP, "M"),
-    block(CO_MOVING_GAP, "φ"),
-    block(CO_MOVING_GAP, "∂x^d/∂x"),
-    block(CO_MOVING_GAP, "∂ν/∂x"),
-    block(MATERIAL_GAP, "g"),
-    block(MATERIAL_GAP, "foot"),
-    block(MATERIAL_GAP, "ν"),
-    block(MATERIAL_GAP, "α"),
-    block(MATERIAL_GAP, "N"),
-    block(MATERIAL_GAP, "M"),
-    block(MATERIAL_GAP, "φ"),
-    block(MATERIAL_GAP, "∂x^d/∂x"),
-    block(MATERIAL_GAP, "∂ν/∂x"),
-    block(SLIP, "g"),
-    block(SLIP, "N"),
-    block(SLIP, "M"),
-    block(SLIP, "q"),
-    block(SLIP, "∇q"),
-    block(SLIP, "∇²q"),
-    block(SLIP, "φ"),
-    block(CO_MOVING_SLIP, "g"),
-    block(CO_MOVING_SLIP, "N"),
-    block(CO_MOVING_SLIP, "M"),
-    block(CO_MOVING_SLIP, "q"),
-    block(CO_MOVING_SLIP, "∇q"),
-    block(CO_MOVING_SLIP, "∇²q"),
-    block(CO_MOVING_SLIP, "φ"),
-    block(MATERIAL_SLIP, "g"),
-    block(MATERIAL_SLIP, "N"),
-    block(MATERIAL_SLIP, "M"),
-    block(MATERIAL_SLIP, "q"),
-    block(MATERIAL_SLIP, "∇q"),
-    block(MATERIAL_SLIP, "∇²q"),
-    block(MATERIAL_SLIP, "φ"),
-];
+/// The larger of two sizes; NaN if one is.
+pub(super) fn worse(x: f64, y: f64) -> f64 {
+    if x.is_nan() || x > y { x } else { y }
+}
 
 /// Entries of one unit.
 #[derive(Clone, Debug, PartialEq)]
@@ -147,10 +103,8 @@ impl Part {
         if self.entries.len() != expected.entries.len() {
             return f64::INFINITY;
         }
-        let largest = expected.entries.iter().fold(expected.scale, |largest, x| largest.max(x.abs()));
-        let differences = self.entries.iter().zip(&expected.entries).map(|(a, b)| (a - b).abs());
-        let larger = |worst: f64, x: f64| if x > worst || x.is_nan() { x } else { worst };
-        let worst = differences.fold(0.0, larger);
+        let largest = expected.entries.iter().map(|x| x.abs()).fold(expected.scale, worse);
+        let worst = self.entries.iter().zip(&expected.entries).map(|(a, b)| (a - b).abs()).fold(0.0, worse);
         if worst == 0.0 { 0.0 } else { worst / largest }
     }
 }
@@ -159,6 +113,7 @@ impl Part {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Blocks {
     subject: Subject,
+    mode: Mode,
     parts: Vec<(&'static str, Vec<Part>)>,
 }
 
@@ -185,7 +140,7 @@ impl Blocks {
             parts.extend(of_foot(&backend.foot_derivatives(&element)?));
         }
         parts.retain(|(_, parts)| parts.iter().any(|part| !part.entries.is_empty()));
-        Ok(Self { subject, parts })
+        Ok(Self { subject, mode, parts })
     }
 
     /// The first part of a block, if it is there.
@@ -194,13 +149,22 @@ impl Blocks {
         parts.first().map(|part| part.entries.as_slice())
     }
 
-    /// The differences from another result, for the blocks both have.
+    /// The differences from another result. A block that one side lacks differs infinitely, unless it is one of derivatives that only
+    /// the other's mode has.
     pub fn differences<'a>(&'a self, expected: &'a Self) -> impl Iterator<Item = (Block, f64)> + 'a {
-        self.parts.iter().filter_map(|(name, parts)| {
-            let (_, expected) = expected.parts.iter().find(|(other, _)| other == name)?;
-            let worst = parts.iter().zip(expected).map(|(a, b)| a.difference(b)).fold(0.0, f64::max);
-            Some((block(self.subject, name), worst))
-        })
+        let of = |blocks: &'a Self, name: &str| blocks.parts.iter().find(|(other, _)| *other == name);
+        let found = self.parts.iter().map(move |(name, parts)| {
+            let expected = of(expected, name).map_or(&[][..], |(_, parts)| parts);
+            let differences = parts.iter().zip(expected).map(|(a, b)| a.difference(b));
+            let all = parts.len() == expected.len();
+            (*name, if all { differences.fold(0.0, worse) } else { f64::INFINITY })
+        });
+        let missing = expected
+            .parts
+            .iter()
+            .filter(move |(name, _)| self.mode == expected.mode && of(self, name).is_none());
+        let missing = missing.map(|(name, _)| (*name, f64::INFINITY));
+        found.chain(missing).map(|(name, difference)| (Block { subject: self.subject, name }, difference))
     }
 }
 
@@ -283,6 +247,29 @@ mod tests {
         assert_eq!(Part::unscaled(&[0.0]).difference(&Part::unscaled(&[0.0])), 0.0);
         assert_eq!(Part::unscaled(&[0.0]).difference(&Part::unscaled(&[])), f64::INFINITY);
         assert!(Part::unscaled(&[f64::NAN, 1.0]).difference(&Part::unscaled(&[1.0, 2.0])).is_nan());
+    }
+
+    #[test]
+    fn what_one_side_lacks_or_is_no_number_differs() {
+        let blocks = |mode, parts| Blocks { subject: GAP, mode, parts };
+        let differences = |found: &Blocks, expected: &Blocks| -> Vec<(&str, f64)> {
+            found.differences(expected).map(|(block, difference)| (block.name, difference)).collect()
+        };
+        let [one, two] = [1.0, 2.0].map(|x| Part::unscaled(&[x]));
+        let whole =
+            blocks(Mode::Hessian, vec![("α", vec![one.clone(), two.clone()]), ("M", vec![one.clone()])]);
+        assert_eq!(differences(&whole, &whole), [("α", 0.0), ("M", 0.0)]);
+        let cut = blocks(Mode::Hessian, vec![("α", vec![one.clone()]), ("M", vec![one.clone()])]);
+        assert_eq!(differences(&cut, &whole), [("α", f64::INFINITY), ("M", 0.0)]);
+        assert_eq!(differences(&whole, &cut), [("α", f64::INFINITY), ("M", 0.0)]);
+        let value = vec![("α", vec![one, two.clone()])];
+        // Only a lower mode may lack derivatives.
+        assert_eq!(differences(&blocks(Mode::Value, value.clone()), &whole), [("α", 0.0)]);
+        let without = blocks(Mode::Hessian, value);
+        assert_eq!(differences(&without, &whole), [("α", 0.0), ("M", f64::INFINITY)]);
+        assert_eq!(differences(&whole, &without), [("α", 0.0), ("M", f64::INFINITY)]);
+        let nan = blocks(Mode::Value, vec![("α", vec![Part::unscaled(&[f64::NAN]), two])]);
+        assert!(differences(&nan, &whole)[0].1.is_nan());
     }
 
     #[test]

@@ -7,13 +7,13 @@ use std::thread;
 
 use diffuse_contact::ad::{Ad, FormulaError};
 use diffuse_contact::{Backend, ElementError, Generated, Mode};
-use diffuse_contact_codegen::{Basis, Output};
+use diffuse_contact_codegen::Basis;
 
 use super::balance::sums;
 use super::blocks::{Blocks, Subject};
 use super::elements::{NoElement, RandomElement};
 use super::facets::compare_facets;
-use super::plan::{Against, ELEMENTS, MODES, Plan};
+use super::plan::{Against, ELEMENTS, MODES, Plan, Tested};
 use super::report::Report;
 use crate::interpreted::Interpreted;
 use crate::weight::Weight;
@@ -148,8 +148,7 @@ impl Results<'_> {
         let ad = self.evaluate("AD", backends.ad, Mode::Hessian, "hessian");
         let interpreted =
             MODES.map(|(mode, name)| self.evaluate("interpreter", backends.interpreted, mode, name));
-        // Kernels with a slip are a feature of their own; without it the interpreter of their formulas stands in.
-        let has_kernels = self.subject.output != Output::Slip || cfg!(feature = "friction");
+        let has_kernels = self.report.tested(self.subject) == Tested::Generated;
         let generated = backends
             .generated
             .filter(|_| has_kernels)

@@ -34,6 +34,7 @@ use diffuse_contact::{
 use diffuse_contact_benches::Random;
 use diffuse_contact_codegen::{Basis, FrameRule};
 
+use super::blocks::worse;
 use crate::interpreted::{Conditioning, Interpreted};
 
 /// Smallest relative pivot of the moment matrix, about the slave and about the surface point, and of the equations
@@ -169,10 +170,9 @@ impl RandomElement {
             let Some(co_moving) = figures(FrameRule::CoMoving, [0.0; 2]) else { continue };
             let Some(material) = figures(FrameRule::Material, [0.0; 2]) else { continue };
             (candidate.conditioning, candidate.weight) = ([held, co_moving, material], weight);
-            if candidate.change_with_last_digits(backend) > LARGEST_CHANGE {
-                continue;
+            if candidate.change_with_last_digits(backend) <= LARGEST_CHANGE {
+                return Ok(candidate);
             }
-            return Ok(candidate);
         }
         Err(NoElement { nodes, basis, attempts: ATTEMPTS })
     }
@@ -221,13 +221,11 @@ impl RandomElement {
             Ok(all)
         };
         let (Ok(before), Ok(after)) = (hessians(self), hessians(&other)) else { return f64::INFINITY };
-        let largest = |x: &[f64]| x.iter().fold(0.0, |largest: f64, x| largest.max(x.abs()));
-        let change = |(before, after): (&SymmetricMatrix, &SymmetricMatrix)| {
-            let [before, after] = [before, after].map(SymmetricMatrix::packed);
-            let change: Vec<f64> = before.iter().zip(after).map(|(x, y)| x - y).collect();
-            largest(&change) / largest(before)
-        };
-        before.iter().zip(&after).map(change).fold(0.0, f64::max)
+        before
+            .iter()
+            .zip(&after)
+            .map(|(before, after)| change(before.packed(), after.packed()))
+            .fold(0.0, worse)
     }
 
     /// `weight`: the fitting weight, and whether nodes have domains of their own.
@@ -288,6 +286,12 @@ impl RandomElement {
             conditioning: [unknown; 3],
         })
     }
+}
+
+/// Largest change of an entry over the largest entry; NaN if one is.
+fn change(before: &[f64], after: &[f64]) -> f64 {
+    let largest = before.iter().map(|x| x.abs()).fold(0.0, worse);
+    before.iter().zip(after).map(|(x, y)| (x - y).abs()).fold(0.0, worse) / largest
 }
 
 /// Nodes of a curved and wavy surface around the slave.
@@ -379,6 +383,13 @@ mod tests {
         assert_eq!(element(1, 0), element(1, 0));
         assert_ne!(element(1, 0), element(1, 1));
         assert_ne!(element(1, 0), element(2, 0));
+    }
+
+    #[test]
+    fn a_change_that_is_no_number_is_not_small() {
+        assert_eq!(change(&[1.0, -4.0], &[1.0, -3.0]), 0.25);
+        assert!(change(&[1.0, f64::NAN, 2.0], &[1.0, 1.0, 2.0]).is_nan());
+        assert!(change(&[1.0, 1.0, 2.0], &[1.0, f64::NAN, 2.0]).is_nan());
     }
 
     #[test]

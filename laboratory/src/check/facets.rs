@@ -39,10 +39,11 @@ pub struct FacetRow {
 }
 
 impl FacetRow {
-    /// Whether all differences are within [`TOLERANCE`].
+    /// Whether there are differences, and all are within [`TOLERANCE`].
     #[must_use]
     pub fn passes(&self) -> bool {
-        self.worst.iter().flatten().all(|&difference| difference <= TOLERANCE)
+        let mut all = self.worst.iter().flatten();
+        self.worst[Against::Ad as usize].is_some() && all.all(|&difference| difference <= TOLERANCE)
     }
 
     fn add(&mut self, against: Against, difference: f64) {

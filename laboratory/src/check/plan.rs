@@ -3,7 +3,7 @@
 use std::ops::RangeInclusive;
 
 use diffuse_contact::Mode;
-use diffuse_contact_codegen::Basis;
+use diffuse_contact_codegen::{Basis, Output};
 
 use crate::weight::Weight;
 
@@ -17,7 +17,7 @@ pub const ELEMENTS: usize = 3;
 pub(super) const MODES: [(Mode, &str); 3] =
     [(Mode::Value, "value"), (Mode::Gradient, "gradient"), (Mode::Hessian, "hessian")];
 
-/// What is compared.
+/// What is to be compared.
 #[derive(Clone, Debug)]
 pub struct Plan {
     /// Bases and numbers of master nodes.
@@ -51,10 +51,37 @@ impl Plan {
         self
     }
 
+    /// What is tested of an output. Kernels with a slip are a feature of their own; without it the interpreter of their formulas stands in.
+    #[must_use]
+    pub const fn tested(&self, output: Output) -> Tested {
+        let has_kernels = self.weight.as_built_in().is_some()
+            && (!matches!(output, Output::Slip) || cfg!(feature = "friction"));
+        if has_kernels { Tested::Generated } else { Tested::Interpreter }
+    }
+
     /// Number of elements.
     #[must_use]
     pub fn elements(&self) -> usize {
         self.ranges.iter().map(|(_, range)| range.clone().count() * ELEMENTS).sum()
+    }
+}
+
+/// What is compared.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Tested {
+    /// The kernels.
+    Generated,
+    /// The interpreter of their graph.
+    Interpreter,
+}
+
+impl Tested {
+    /// Name in JSON.
+    pub(super) const fn name(self) -> &'static str {
+        match self {
+            Self::Generated => "generated",
+            Self::Interpreter => "interpreter",
+        }
     }
 }
 

@@ -2,16 +2,16 @@
 
 use std::fmt;
 
-use diffuse_contact_codegen::Basis;
+use diffuse_contact_codegen::{Basis, Output};
 use serde::ser::{Serialize, SerializeStruct, Serializer};
 
 use super::balance::BalanceRow;
-use super::blocks::{BLOCKS, Block, Subject};
+use super::blocks::{Block, Subject, blocks};
 use super::elements::{
     LARGEST_CHANGE, LARGEST_FOOT_DISTANCE, RandomElement, SMALLEST_DETERMINANT, SMALLEST_PIVOT,
 };
 use super::facets::{FACETS, FacetRow};
-use super::plan::{Against, ELEMENTS, Plan, TOLERANCE};
+use super::plan::{Against, ELEMENTS, Plan, TOLERANCE, Tested};
 use crate::emit::frame_name;
 
 /// Width of the left column of the head.
@@ -48,13 +48,21 @@ impl Worst {
 pub struct Row {
     /// The block.
     pub block: Block,
+    /// Of which results.
+    pub tested: Tested,
     /// In the order of [`Against::ALL`].
     pub worst: [Option<Worst>; Against::ALL.len()],
 }
 
 impl Row {
+    /// Automatic differentiation has every block, and the interpreter has those of the kernels.
+    fn is_compared(&self) -> bool {
+        let has = |against: Against| self.worst[against as usize].is_some();
+        has(Against::Ad) && (self.tested == Tested::Interpreter || has(Against::Interpreter))
+    }
+
     fn passes(&self) -> bool {
-        self.worst.iter().flatten().all(Worst::passes)
+        self.is_compared() && self.worst.iter().flatten().all(Worst::passes)
     }
 }
 
@@ -77,10 +85,13 @@ pub struct Report {
 impl Report {
     /// An empty report.
     pub(super) fn new(plan: &Plan) -> Self {
-        let row = |block| Row { block, worst: [None; Against::ALL.len()] };
+        let row = |block: Block| {
+            let tested = plan.tested(block.subject.output);
+            Row { block, tested, worst: [None; Against::ALL.len()] }
+        };
         Self {
             plan: plan.clone(),
-            rows: BLOCKS.map(row).to_vec(),
+            rows: blocks().map(row).collect(),
             balance: BalanceRow::all(),
             facets: Vec::new(),
             elements: 0,
@@ -88,6 +99,10 @@ impl Report {
             smallest_plane_pivot: f64::INFINITY,
             failures: Vec::new(),
         }
+    }
+
+    pub(super) fn tested(&self, subject: Subject) -> Tested {
+        self.plan.tested(subject.output)
     }
 
     pub(super) fn add_element(&mut self, random: &RandomElement) {
@@ -155,7 +170,7 @@ impl Report {
         &self.rows
     }
 
-    /// Whether something was compared, every backend had results, and all differences are within [`TOLERANCE`].
+    /// Whether every block was compared, every backend had results, and all differences are within [`TOLERANCE`].
     #[must_use]
     pub fn passes(&self) -> bool {
         let rows = self.rows.iter().all(Row::passes)
@@ -177,6 +192,12 @@ impl Report {
         let mut line = |label: &str, text: &str| writeln!(f, "{label:<LABEL$}{text}");
         if self.plan.weight.as_built_in().is_some() {
             line("tested", "the generated kernels, in the modes value, gradient and Hessian")?;
+            if self.plan.tested(Output::Slip) == Tested::Interpreter {
+                line(
+                    "",
+                    "but of the slip the interpreter of their graph: built without the feature `friction`",
+                )?;
+            }
         } else {
             line(
                 "tested",
@@ -185,7 +206,7 @@ impl Report {
             line("", "no kernels of this weight are compiled into the program; `emit --weight` prints them")?;
         }
         line("weight", &self.plan.weight.description())?;
-        line("kernels", &format!("{}; coefficients, surface, gap", self.ranges()))?;
+        line("kernels", &format!("{}; coefficients, surface, gap, slip", self.ranges()))?;
         line(
             "elements",
             &format!(
@@ -272,16 +293,24 @@ impl Report {
         let elements = self.rows.iter().filter(|row| !row.passes());
         let facets = self.facets.iter().filter(|row| !row.passes());
         let sums = self.balance.iter().filter(|row| !row.passes());
-        let blocks: Vec<String> = elements
-            .map(|row| format!("{} {}", row.block.subject.name(), row.block.name))
-            .chain(sums.map(|row| format!("{} {}", row.subject.name(), row.name)))
-            .chain(facets.map(|row| format!("{} {}", row.shape.name(), row.name)))
-            .collect();
-        if blocks.is_empty() {
-            writeln!(f, "failed: not every element has a result")
-        } else {
-            writeln!(f, "failed: beyond {TOLERANCE:e} are {}", blocks.join("; "))
+        // With whether there is a difference: without, nothing was compared.
+        let (beyond, missing): (Vec<_>, Vec<_>) = elements
+            .map(|row| (format!("{} {}", row.block.subject.name(), row.block.name), row.is_compared()))
+            .chain(sums.map(|row| (format!("{} {}", row.subject.name(), row.name), row.worst.is_some())))
+            .chain(facets.map(|row| (format!("{} {}", row.shape.name(), row.name), row.worst[0].is_some())))
+            .partition(|(_, is_compared)| *is_compared);
+        let names =
+            |all: &[(String, bool)]| all.iter().map(|(name, _)| name.as_str()).collect::<Vec<_>>().join("; ");
+        if !beyond.is_empty() {
+            writeln!(f, "failed: beyond {TOLERANCE:e} are {}", names(&beyond))?;
         }
+        if !missing.is_empty() {
+            writeln!(f, "failed: nothing is compared of {}", names(&missing))?;
+        }
+        if beyond.is_empty() && missing.is_empty() {
+            writeln!(f, "failed: not every element has a result")?;
+        }
+        Ok(())
     }
 }
 
@@ -316,9 +345,7 @@ impl fmt::Display for Report {
 
 impl Serialize for Report {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        let mut report = serializer.serialize_struct("Report", 12)?;
-        let tested = if self.plan.weight.as_built_in().is_some() { "generated" } else { "interpreter" };
-        report.serialize_field("tested", tested)?;
+        let mut report = serializer.serialize_struct("Report", 11)?;
         report.serialize_field("weight", &self.plan.weight.description())?;
         report.serialize_field("seed", &self.plan.seed)?;
         report.serialize_field("elements", &self.elements)?;
@@ -336,10 +363,11 @@ impl Serialize for Report {
 
 impl Serialize for Row {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        let mut row = serializer.serialize_struct("Row", 5)?;
+        let mut row = serializer.serialize_struct("Row", 6)?;
         row.serialize_field("output", self.block.subject.output.name())?;
         row.serialize_field("frame_derivative", frame_name(self.block.subject.frame))?;
         row.serialize_field("block", self.block.name)?;
+        row.serialize_field("tested", self.tested.name())?;
         row.serialize_field("passes", &self.passes())?;
         let worst: std::collections::BTreeMap<&str, &Worst> = Against::ALL
             .iter()
@@ -362,15 +390,25 @@ impl Serialize for Worst {
 
 #[cfg(test)]
 mod tests {
-    use diffuse_contact_codegen::FacetShape;
+    use diffuse_contact_codegen::{FacetShape, FrameRule};
 
     use super::*;
 
+    const GAP_HESSIAN: Block =
+        Block { subject: Subject { output: Output::Gap, frame: FrameRule::Held }, name: "M" };
+
+    /// Everything compared, without a difference but in M.
     fn with(difference: f64) -> Report {
         let mut report = Report::new(&Plan::default());
         report.elements = 1;
-        report.add(BLOCKS[14], Against::Ad, 1e-15, (Basis::Linear, 5));
-        report.add(BLOCKS[14], Against::Ad, difference, (Basis::Quadratic, 9));
+        let at = (Basis::Linear, 5);
+        for block in blocks() {
+            let own = if block == GAP_HESSIAN { 1e-15 } else { 0.0 };
+            report.add(block, Against::Ad, own, at);
+            report.add(block, Against::Interpreter, 0.0, at);
+        }
+        Subject::ALL.into_iter().for_each(|subject| report.add_balance(subject, [0.0; 2], at));
+        report.add(GAP_HESSIAN, Against::Ad, difference, (Basis::Quadratic, 9));
         report
     }
 
@@ -378,11 +416,14 @@ mod tests {
     fn the_worst_difference_decides() {
         let report = with(1e-14);
         assert!(report.passes());
-        assert!(report.to_string().contains("gap             M         1.0e-14 quadratic 9\n"), "{report}");
+        assert!(
+            report.to_string().contains("gap             M         1.0e-14 quadratic 9       0\n"),
+            "{report}"
+        );
         assert!(report.to_string().ends_with("all within 1e-12\n"), "{report}");
         for difference in [2e-11, f64::INFINITY, f64::NAN] {
             let mut report = with(difference);
-            report.add(BLOCKS[14], Against::Ad, 1e-15, (Basis::Linear, 7));
+            report.add(GAP_HESSIAN, Against::Ad, 1e-15, (Basis::Linear, 7));
             assert!(!report.passes());
             assert!(report.to_string().ends_with("failed: beyond 1e-12 are gap M\n"), "{report}");
         }
@@ -406,6 +447,23 @@ mod tests {
     #[test]
     fn nothing_compared_is_no_pass() {
         assert!(!Report::new(&Plan::default()).passes());
+        let mut report = with(1e-14);
+        for missing in [Against::Ad, Against::Interpreter] {
+            let before = report.rows[0].worst[missing as usize].take();
+            assert!(!report.passes());
+            assert!(
+                report.to_string().ends_with("failed: nothing is compared of coefficients α\n"),
+                "{report}"
+            );
+            report.rows[0].worst[missing as usize] = before;
+        }
+        let mut report = with(1e-14);
+        report.balance[1].worst = None;
+        assert!(!report.passes());
+        let mut report = with(1e-14);
+        let nothing = FacetRow { shape: FacetShape::Triangle, name: "M", worst: [None; Against::ALL.len()] };
+        report.add_facets((vec![nothing], Vec::new()));
+        assert!(!report.passes());
         let mut report = with(1e-14);
         report.failures.push("AD gap hessian, linear n = 3: singular".to_owned());
         assert!(!report.passes());

@@ -226,10 +226,11 @@ pub struct HertzArguments {
     /// Penalty over E/h of the curved body's cells
     #[arg(long, value_name = "F", default_value_t = 5.0, value_parser = positive)]
     pub penalty: f64,
-    /// How much of both bodies there is, half widths [default: 20 of a cylinder, 10 of a ball]
+    /// How much of both bodies there is, half widths, more than the 1.3 or so of equally long cells [default: 20 of a cylinder, 10 of a
+    /// ball]
     #[arg(long, value_name = "W", value_parser = positive)]
     pub extent: Option<f64>,
-    /// Number of threads [default: one for each processor]
+    /// Number of threads [default: one for each processor, but for the linear solver, which has one]
     #[arg(long, value_name = "K", value_parser = threads::parse)]
     pub threads: Option<usize>,
 }
@@ -252,13 +253,13 @@ pub struct VerificationArguments {
     /// Directory of the decks
     #[arg(long, value_name = "DIR", default_value = "examples")]
     pub decks: PathBuf,
-    /// The finer meshes of the Hertz problems, which take minutes, in place of the others
+    /// The finer meshes of the Hertz problems, of cattaneo_mindlin and of pipe_pinch, which take minutes, in place of the others
     #[arg(long, conflicts_with = "pictures")]
     pub fine: bool,
     /// Directory to write a picture of each problem to that has one
     #[arg(long, value_name = "DIR")]
     pub pictures: Option<PathBuf>,
-    /// Number of threads [default: one for each processor]
+    /// Number of threads [default: one for each processor, but for the linear solver, which has one]
     #[arg(long, value_name = "K", value_parser = threads::parse)]
     pub threads: Option<usize>,
 }

@@ -13,13 +13,10 @@ use super::StudyError;
 use super::arguments::ClosedPathArguments;
 use super::markdown::Table;
 use super::patch::Patch;
+use super::sweep::scene::{self, Cells};
 use crate::error::CliError;
 use crate::output;
 
-/// Of the waves.
-const LENGTH: f64 = 12.0;
-/// Cells of the waves along each side, two waves long.
-const SIDE: usize = 24;
 /// Cells of the pad along each side.
 const PAD: usize = 14;
 /// Side of its cells.
@@ -57,16 +54,10 @@ pub fn run(arguments: &ClosedPathArguments) -> Result<(), CliError> {
     output::write_stdout(|writer| write!(writer, "{table}"))
 }
 
-fn wave(x: f64, y: f64) -> f64 {
-    let k = std::f64::consts::TAU / LENGTH;
-    (k * x).sin() * (k * y).sin()
-}
-
-/// The pad's lowest point: a figure that crosses facets in all directions, 0.05 below the exact surface.
+/// The pad's lowest point, 0.05 straight below the exact surface.
 fn path(turn: f64) -> Point {
-    let tau = std::f64::consts::TAU;
-    let [x, y] = [2.0 * tau * turn + 0.3, 3.0 * tau * turn].map(|angle| 12.0 + 7.0 * angle.sin());
-    [x, y, wave(x, y) - 0.05]
+    let ([x, y, z], _) = scene::figure(turn);
+    [x, y, z - 0.05]
 }
 
 /// The facets of a patch, every third one cut in two triangles.
@@ -114,7 +105,7 @@ impl Contact {
 }
 
 fn around(options: InterfaceOptions, over_faces: bool, steps: usize) -> Result<Loop, StudyError> {
-    let waves = Patch::new([SIDE; 2], |x, y| [x, y, wave(x, y)]);
+    let waves = Cells { refine: 1, moved: 0.0 }.mesh();
     let nodes = waves.positions.clone();
     let (first, own) = (nodes.len(), pad().positions);
     let at = |place: Point| -> Vec<Point> {

@@ -50,6 +50,14 @@ pub enum StudyError {
         /// Of the cylinder or the ball, length.
         radius: f64,
     },
+    /// Less of two bodies than their equally long cells fill.
+    #[error("--extent {extent}: it has to be above {least:.3}, where the equally long cells end")]
+    NarrowBody {
+        /// What was asked for, half widths.
+        extent: f64,
+        /// Where the equally long cells end, half widths.
+        least: f64,
+    },
     /// The plot cannot be drawn.
     #[error("the plot cannot be drawn: {reason}")]
     Plot {

@@ -56,8 +56,8 @@ struct Case {
 }
 
 impl Case {
-    /// The body as it is, or with another half width over radius, another extent or penalty.
-    fn new(body: HertzBody, arguments: &HertzArguments) -> Result<Self, StudyError> {
+    /// The body as it is, or with another half width over radius, another extent or penalty, for meshes with so many cells.
+    fn new(body: HertzBody, arguments: &HertzArguments, meshes: &[usize]) -> Result<Self, StudyError> {
         // Approaches over a²/R belong to the extents.
         let (name, is_slice, half_width, extent, approach) = match body {
             HertzBody::Cylinder => ("cylinder", true, 0.4, 20.0, 1.90625),
@@ -65,6 +65,13 @@ impl Case {
         };
         let radius = half_width / arguments.slenderness;
         let extent = arguments.extent.unwrap_or(extent);
+        let sizes =
+            meshes.iter().flat_map(|&cells| [1.0, FINER].map(|finer| finer * (half_width / cells as f64)));
+        let uniform = sizes.map(|size| size * count(size, UNIFORM * half_width) as f64);
+        let least = uniform.fold(0.0, f64::max) / half_width;
+        if extent <= least {
+            return Err(StudyError::NarrowBody { extent, least });
+        }
         // To the corner of its grid; the half width at the end may be a little more than planned.
         let widest = half_width * extent * if is_slice { 1.0 } else { 2.0_f64.sqrt() };
         if widest > WIDEST * radius {
@@ -93,7 +100,7 @@ pub fn run(arguments: &HertzArguments) -> Result<(), CliError> {
         .collect();
     with_threads(arguments.threads, || {
         for body in bodies {
-            let case = Case::new(*body, arguments)?;
+            let case = Case::new(*body, arguments, &meshes)?;
             let table = table(&case, &meshes, arguments.threads.unwrap_or(1)).map_err(CliError::job)?;
             output::write_stdout(|writer| writeln!(writer, "{table}"))?;
         }
@@ -291,9 +298,14 @@ fn scene(case: &Case, cells: usize, exchange: bool) -> Result<(Deck, Model), Sol
     Ok((deck, model))
 }
 
+/// Cells of this size as far as `uniform`, the last one whole.
+fn count(size: f64, uniform: f64) -> usize {
+    (uniform / size).ceil() as usize
+}
+
 /// Ends of cells from 0: of this size as far as `uniform`, then larger and larger as far as `extent`.
 fn ends(size: f64, uniform: f64, extent: f64) -> Vec<f64> {
-    let count = (uniform / size).ceil() as usize;
+    let count = count(size, uniform);
     let mut ends: Vec<f64> = (0..=count).map(|k| size * k as f64).collect();
     let (start, mut step, mut end) = (size * count as f64, size, size * count as f64);
     let mut grown = Vec::new();

@@ -21,6 +21,7 @@ mod hertz;
 mod markdown;
 mod paper;
 mod patch;
+mod plot;
 mod regularity;
 mod scaling;
 mod sweep;

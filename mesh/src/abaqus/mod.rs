@@ -198,6 +198,10 @@ impl Deck<'_> {
                 for (node, field) in nodes.iter_mut().zip(&fields[1..]) {
                     *node = parse_tag(self.local(field), at, "a node number")?;
                 }
+                // Abaqus has the middle of a line between its ends.
+                if kind == ElementKind::Line3 {
+                    nodes.swap(1, 2);
+                }
                 self.builder.add_element(kind, tag, nodes, at)?;
                 self.builder.set_incompatible_modes(matches!(name.as_str(), "C3D8I" | "C3D8IH"));
             } else {

@@ -15,7 +15,7 @@ pub(super) enum Level {
 }
 
 /// What a data line puts into a set.
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, PartialEq, Eq, Hash)]
 pub(super) enum Member {
     /// The tags `first`, `first + step`, ... up to `last`.
     Tags { first: u64, last: u64, step: u64 },
@@ -26,6 +26,16 @@ pub(super) enum Member {
 impl Member {
     pub fn tag(tag: u64) -> Self {
         Member::Tags { first: tag, last: tag, step: 1 }
+    }
+
+    /// How many members it stands for, missing ones as well.
+    pub fn count(self, sets: &[Content]) -> usize {
+        match self {
+            Member::Set(number) => sets[number].indices.len(),
+            Member::Tags { first, last, step } => {
+                usize::try_from((last - first) / step).map_or(usize::MAX, |n| n.saturating_add(1))
+            }
+        }
     }
 }
 
@@ -103,6 +113,25 @@ impl Content {
     }
 }
 
+/// How many members there may still be, so that a small file cannot ask for any number.
+pub(super) struct Room {
+    left: usize,
+    what: &'static str,
+}
+
+impl Room {
+    /// For what `of` is the singular of.
+    pub fn new(of: &str) -> Self {
+        Self { left: MOST_MEMBERS, what: if of == "node" { "nodes" } else { "elements" } }
+    }
+
+    pub fn take(&mut self, members: usize, at: usize) -> Result<(), Fault> {
+        let too_large = || Fault::new(at, Problem::SetsTooLarge { what: self.what, limit: MOST_MEMBERS });
+        self.left = self.left.checked_sub(members).ok_or_else(too_large)?;
+        Ok(())
+    }
+}
+
 struct Entry {
     at: usize,
     set: usize,
@@ -121,7 +150,7 @@ impl Sets {
     /// What is in every set. `find` says what a tag stands for.
     pub fn resolve(&self, find: impl Fn(u64) -> Found) -> Result<Vec<Content>, Fault> {
         let mut sets = vec![Content::default(); self.names.count()];
-        let mut room = MOST_MEMBERS;
+        let mut room = Room::new(self.of);
         // The same once more adds nothing.
         let mut known = HashSet::new();
         for &Entry { at, set, member } in &self.entries {
@@ -134,10 +163,7 @@ impl Sets {
                 let set = self.names.spelling(set).to_string();
                 Fault::new(at, Problem::MissingMember { set, member: format!("{} {tag}", self.of) })
             })?;
-            room = room.checked_sub(members.0.len()).ok_or_else(|| {
-                let what = if self.of == "node" { "nodes" } else { "elements" };
-                Fault::new(at, Problem::SetsTooLarge { what, limit: MOST_MEMBERS })
-            })?;
+            room.take(members.0.len(), at)?;
             sets[set].take(members);
         }
         Ok(sets)

@@ -3,7 +3,7 @@
 use std::collections::{BTreeMap, BTreeSet, HashSet};
 
 use super::SetKind;
-use super::sets::{Content, Found, Level, Member, Names, Sets};
+use super::sets::{Content, Found, Level, Member, Names, Room, Sets};
 use crate::element::{Element, Facet};
 use crate::error::{Fault, Problem};
 
@@ -14,6 +14,8 @@ pub(super) struct Surfaces {
     faces: Vec<FaceEntry>,
     of_nodes: Names,
     nodes: Vec<NodeEntry>,
+    /// What is in the entries, those of nodes without a face: the same once more adds nothing.
+    known: HashSet<(usize, Member, Option<Face>)>,
 }
 
 /// What is in a surface of faces.
@@ -90,14 +92,18 @@ impl Surfaces {
     }
 
     pub fn add_nodes(&mut self, surface: usize, member: Member, at: usize) {
-        self.nodes.push(NodeEntry { at, surface, member });
+        if self.known.insert((surface, member, None)) {
+            self.nodes.push(NodeEntry { at, surface, member });
+        }
     }
 
     pub fn add_face(&mut self, surface: usize, member: Member, face: &str, at: usize) -> Result<(), Fault> {
         let face = Face::parse(face).ok_or_else(|| {
             Fault::unexpected(at, "a face identifier (SPOS, SNEG or S1 to S6) after the element set", face)
         })?;
-        self.faces.push(FaceEntry { at, surface, member, face });
+        if self.known.insert((surface, member, Some(face))) {
+            self.faces.push(FaceEntry { at, surface, member, face });
+        }
         Ok(())
     }
 
@@ -110,6 +116,8 @@ impl Surfaces {
         elements: &[Element],
     ) -> Result<Vec<Faces>, Fault> {
         let mut surfaces = vec![Faces::default(); self.of_faces.count()];
+        let mut room = Room::new(element_sets.of);
+        self.faces.iter().try_for_each(|entry| room.take(entry.member.count(elements_in), entry.at))?;
         let mut seen = HashSet::new();
         for &FaceEntry { at, surface, member, face } in &self.faces {
             let (indices, unread) = element_sets
@@ -137,6 +145,8 @@ impl Surfaces {
         find: impl Fn(u64) -> Found,
     ) -> Result<Vec<(usize, BTreeSet<usize>)>, Fault> {
         let mut surfaces = vec![(0, BTreeSet::new()); self.of_nodes.count()];
+        let mut room = Room::new(node_sets.of);
+        self.nodes.iter().try_for_each(|entry| room.take(entry.member.count(nodes_in), entry.at))?;
         for &NodeEntry { at, surface, member } in &self.nodes {
             let (members, _) = node_sets
                 .members(member, nodes_in, &find)

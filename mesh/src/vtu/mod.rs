@@ -62,6 +62,19 @@ impl Cells {
         self.kinds.iter().copied().zip(nodes)
     }
 
+    /// All nodes, each cell's in the order that VTK has.
+    fn in_order_of_vtk(&self) -> Vec<usize> {
+        let mut connectivity = self.connectivity.clone();
+        for (kind, end) in self.kinds.iter().zip(&self.ends) {
+            // The right-hand rule makes the first triangle look away from the other one, which it faces here.
+            if *kind == ElementKind::Wedge6 {
+                connectivity.swap(end - 5, end - 4);
+                connectivity.swap(end - 2, end - 1);
+            }
+        }
+        connectivity
+    }
+
     fn check(&self, points: usize) -> Result<(), VtuError> {
         for (cell, (kind, nodes)) in self.iter().enumerate() {
             if nodes.len() != kind.node_count() {
@@ -189,7 +202,7 @@ impl<'a> VtuFile<'a> {
     fn write_grid(&self, writer: &mut impl Write) -> io::Result<()> {
         let (points, cells) = (self.points.len(), self.cells.kinds.len());
         let places = Values::Vectors(Cow::from(&*self.points));
-        let connectivity = Values::Indices(Cow::from(&self.cells.connectivity));
+        let connectivity = Values::Indices(Cow::from(self.cells.in_order_of_vtk()));
         let offsets = Values::Indices(Cow::from(&self.cells.ends));
         let types = Values::U8(self.cells.kinds.iter().map(|&kind| vtk_type(kind)).collect());
         let mut xml = Xml { writer, appended: Vec::new(), offset: 0 };
@@ -216,7 +229,7 @@ impl<'a> Field<'a> {
     }
 }
 
-/// VTK's number of a cell type. VTK orders the nodes of these as [`ElementKind`] does.
+/// VTK's number of a cell type. VTK orders the nodes of these as [`ElementKind`] does, but those of the wedge of six nodes.
 fn vtk_type(kind: ElementKind) -> u8 {
     match kind {
         ElementKind::Point1 => 1,

@@ -25,25 +25,62 @@ impl Uniformity {
     pub fn of(snapshot: &Snapshot<'_>, axis: usize, p: f64) -> Result<Self, SolidError> {
         let Snapshot { state, problem, .. } = snapshot;
         let recovery = problem.solid().recover(&state.positions, &state.points)?;
+        let contact = snapshot.slaves().map(|slave| slave.force / slave.area);
+        Ok(Self::between(recovery.points.iter().map(|point| point.stress), contact, axis, p))
+    }
+
+    /// Of the stresses at the points and of the slaves' pressures.
+    fn between(
+        stresses: impl ExactSizeIterator<Item = [f64; 6]>,
+        pressures: impl Iterator<Item = f64>,
+        axis: usize,
+        p: f64,
+    ) -> Self {
+        let points = stresses.len() as f64;
         let (mut stress, mut squares, mut other_stress) = (0.0_f64, 0.0, 0.0_f64);
-        for point in &recovery.points {
-            for (component, value) in point.stress.into_iter().enumerate() {
+        for point in stresses {
+            for (component, value) in point.into_iter().enumerate() {
                 if component == axis {
                     let deviation = (value + p) / p;
-                    stress = stress.max(deviation.abs());
+                    stress = worse(stress, deviation.abs());
                     squares += deviation * deviation;
                 } else {
-                    other_stress = other_stress.max((value / p).abs());
+                    other_stress = worse(other_stress, (value / p).abs());
                 }
             }
         }
-        let contact = snapshot.slaves().map(|slave| (slave.force / slave.area / p - 1.0).abs());
-        Ok(Self {
+        Self {
             stress,
-            stress_rms: (squares / recovery.points.len() as f64).sqrt(),
+            stress_rms: (squares / points).sqrt(),
             other_stress,
-            // A deviation that is no number stays one.
-            contact: contact.fold(0.0, |most, own| if own <= most { most } else { own }),
-        })
+            contact: pressures.map(|pressure| (pressure / p - 1.0).abs()).fold(0.0, worse),
+        }
+    }
+}
+
+/// The larger of two deviations; NaN if one is.
+fn worse(x: f64, y: f64) -> f64 {
+    if x.is_nan() || x > y { x } else { y }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_deviation_that_is_no_number_stays() {
+        let of = |stresses: [[f64; 6]; 3], pressures: [f64; 3]| {
+            Uniformity::between(stresses.into_iter(), pressures.into_iter(), 2, 4.0)
+        };
+        let uniform = [[0.0, 0.0, -4.0, 0.0, 0.0, 0.0]; 3];
+        let found = of(uniform, [4.0, 5.0, 4.0]);
+        assert_eq!(found, Uniformity { stress: 0.0, stress_rms: 0.0, other_stress: 0.0, contact: 0.25 });
+        let mut broken = uniform;
+        broken[0][2] = f64::NAN;
+        broken[1][4] = f64::NAN;
+        let found = of(broken, [4.0, f64::NAN, 4.0]);
+        assert!(
+            [found.stress, found.stress_rms, found.other_stress, found.contact].iter().all(|x| x.is_nan())
+        );
     }
 }

@@ -4,9 +4,9 @@ use plotters::coord::ranged1d::{AsRangedCoord, ValueFormatter};
 use plotters::prelude::*;
 
 use crate::study::StudyError;
+use crate::study::plot::{Area, FONT, Failure, builder, legend, svg};
 
 const SIZE: (u32, u32) = (800, 480);
-const FONT: &str = "sans-serif";
 
 /// Colours that stay apart for the colour-blind.
 const COLOURS: [RGBColor; 6] = [
@@ -37,9 +37,6 @@ pub struct Figure<'a> {
     pub legend: SeriesLabelPosition,
 }
 
-type Area<'a> = DrawingArea<SVGBackend<'a>, plotters::coord::Shift>;
-type Failure<'a> = DrawingAreaErrorKind<<SVGBackend<'a> as DrawingBackend>::ErrorType>;
-
 impl Figure<'_> {
     /// As SVG.
     pub fn draw(&self) -> Result<String, StudyError> {
@@ -63,13 +60,7 @@ impl Figure<'_> {
         Y: AsRangedCoord<Value = f64>,
         Y::CoordDescType: ValueFormatter<f64>,
     {
-        let mut chart = ChartBuilder::on(area)
-            .caption(self.title, (FONT, 18))
-            .margin(12)
-            .margin_right(24)
-            .x_label_area_size(44)
-            .y_label_area_size(76)
-            .build_cartesian_2d(0.0..end, y)?;
+        let mut chart = builder(area, self.title, 76).build_cartesian_2d(0.0..end, y)?;
         let scientific = |value: &f64| format!("{value:.0e}");
         let plain = |value: &f64| format!("{value}");
         chart
@@ -89,14 +80,7 @@ impl Figure<'_> {
                 .label(&curve.label)
                 .legend(move |(x, y)| PathElement::new([(x, y), (x + 20, y)], style));
         }
-        chart
-            .configure_series_labels()
-            .position(self.legend.clone())
-            .background_style(WHITE.mix(0.85))
-            .border_style(BLACK.mix(0.3))
-            .label_font((FONT, 14))
-            .draw()?;
-        Ok(())
+        legend(&mut chart, self.legend.clone())
     }
 }
 
@@ -137,19 +121,4 @@ impl Shapes<'_> {
             Ok(())
         })
     }
-}
-
-fn svg(
-    size: (u32, u32),
-    draw: impl for<'a> FnOnce(&Area<'a>) -> Result<(), Failure<'a>>,
-) -> Result<String, StudyError> {
-    let mut svg = String::new();
-    {
-        let area = SVGBackend::with_string(&mut svg, size).into_drawing_area();
-        area.fill(&WHITE)
-            .and_then(|()| draw(&area))
-            .and_then(|()| area.present())
-            .map_err(|error| StudyError::Plot { reason: error.to_string() })?;
-    }
-    Ok(svg)
 }

@@ -6,7 +6,7 @@
 
 mod plot;
 mod run;
-mod scene;
+pub mod scene;
 
 use std::io::{self, Write};
 

@@ -6,12 +6,12 @@ use plotters::prelude::*;
 use super::run::{Curve, State, dot, norm};
 use super::scene::DEPTH;
 use crate::study::StudyError;
+use crate::study::plot::{Area, FONT, Failure, builder, legend, svg};
 
 /// Size of the picture.
 const SIZE: (u32, u32) = (960, 720);
 /// Length of the stretch that is shown: short enough to tell one facet from the next.
 const STRETCH: f64 = 20.0;
-const FONT: &str = "sans-serif";
 
 /// One curve of the picture.
 pub struct Line<'a> {
@@ -25,9 +25,7 @@ pub struct Line<'a> {
 
 /// The picture as SVG.
 pub fn draw(lines: &[Line<'_>]) -> Result<String, StudyError> {
-    let mut svg = String::new();
-    {
-        let area = SVGBackend::with_string(&mut svg, SIZE).into_drawing_area();
+    svg(SIZE, |area| {
         let (upper, lower) = area.split_vertically(SIZE.1 / 2);
         let gap = Panel {
             title: "Gap of a slave node swept at constant depth d below the exact surface",
@@ -44,17 +42,10 @@ pub fn draw(lines: &[Line<'_>]) -> Result<String, StudyError> {
             exact: 0.0,
             has_legend: false,
         };
-        area.fill(&WHITE)
-            .and_then(|()| gap.draw(&upper, lines))
-            .and_then(|()| push.draw(&lower, lines))
-            .and_then(|()| area.present())
-            .map_err(|error| StudyError::Plot { reason: error.to_string() })?;
-    }
-    Ok(svg)
+        gap.draw(&upper, lines)?;
+        push.draw(&lower, lines)
+    })
 }
-
-type Area<'a> = DrawingArea<SVGBackend<'a>, plotters::coord::Shift>;
-type Failure<'a> = DrawingAreaErrorKind<<SVGBackend<'a> as DrawingBackend>::ErrorType>;
 
 /// One half of the picture.
 struct Panel<'a> {
@@ -76,13 +67,8 @@ impl Panel<'_> {
         let margin = 0.05 * (high - low);
         // The legend has the upper part to itself.
         let headroom = if self.has_legend { 0.45 * (high - low) } else { margin };
-        let mut chart = ChartBuilder::on(area)
-            .caption(self.title, (FONT, 18))
-            .margin(12)
-            .margin_right(24)
-            .x_label_area_size(44)
-            .y_label_area_size(64)
-            .build_cartesian_2d(0.0..STRETCH, low - margin..high + headroom)?;
+        let mut chart =
+            builder(area, self.title, 64).build_cartesian_2d(0.0..STRETCH, low - margin..high + headroom)?;
         chart
             .configure_mesh()
             .light_line_style(WHITE)
@@ -102,13 +88,7 @@ impl Panel<'_> {
             }
         }
         if self.has_legend {
-            chart
-                .configure_series_labels()
-                .position(SeriesLabelPosition::UpperRight)
-                .background_style(WHITE.mix(0.85))
-                .border_style(BLACK.mix(0.3))
-                .label_font((FONT, 14))
-                .draw()?;
+            legend(&mut chart, SeriesLabelPosition::UpperRight)?;
         }
         Ok(())
     }

@@ -127,9 +127,9 @@ pub fn sweep(
             };
             curve.effort += 0.5 * (norm(from.force) + norm(to.force)) * norm(along);
         }
-        let refresh = slave.refresh_at(position)?;
+        let is_changed = slave.refresh_at(position)?;
         from = slave.state()?;
-        curve.changes += usize::from(refresh.changed);
+        curve.changes += usize::from(is_changed);
         match end {
             Ok(to) => {
                 curve.gap_jump = curve.gap_jump.max((from.gap - to.gap).abs());
@@ -156,11 +156,6 @@ struct Slave {
     interface: ContactInterface,
 }
 
-/// What a refresh did to the one slave.
-struct Refreshed {
-    changed: bool,
-}
-
 impl Slave {
     fn new(element: ContactElement, cells: Cells) -> Result<Self, StudyError> {
         let Patch { mut positions, facets } = cells.mesh();
@@ -181,10 +176,11 @@ impl Slave {
         Ok(())
     }
 
-    fn refresh_at(&mut self, position: Point) -> Result<Refreshed, StudyError> {
+    /// Whether the slave has other masters now.
+    fn refresh_at(&mut self, position: Point) -> Result<bool, StudyError> {
         self.move_to(position)?;
         let report = self.interface.renew_pairing(&self.positions)?;
-        Ok(Refreshed { changed: report.changed > 0 })
+        Ok(report.changed > 0)
     }
 
     /// Whether the force is continuous along the path, whatever the pairing.

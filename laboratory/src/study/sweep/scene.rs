@@ -53,12 +53,17 @@ impl Cells {
     }
 }
 
-/// The slave's position at `turn`, from 0 to 1 around the path: a Lissajous figure that runs over the facets in all
-/// directions, at constant depth below the exact surface.
-pub fn path(turn: f64) -> Point {
+/// The point of the exact surface at `turn`, from 0 to 1 around a Lissajous figure that runs over the facets in all directions, and the
+/// normal there.
+pub fn figure(turn: f64) -> (Point, Point) {
     let middle = 0.5 * SIDE as f64;
     let [x, y] = [2.0 * TAU * turn + 0.3, 3.0 * TAU * turn].map(|angle| middle + REACH * angle.sin());
-    let (position, normal) = surface(x, y);
+    surface(x, y)
+}
+
+/// The slave's position at `turn`, at constant depth below the exact surface.
+pub fn path(turn: f64) -> Point {
+    let (position, normal) = figure(turn);
     std::array::from_fn(|axis| position[axis] - DEPTH * normal[axis])
 }
 

@@ -133,21 +133,20 @@ fn refined(decks: &Decks) -> Result<Findings, SolveError> {
                 let way = Refined { cells, penalty, is_stiff, is_plate_master };
                 let deck = way.deck(decks)?;
                 let run = outcome(trace(&deck, decks.base(), decks.threads, |snapshot| {
-                    Ok(snapshot.contact_force())
+                    Ok((snapshot.record.time, snapshot.contact_force()))
                 }))?;
                 let figures = run.map(|run| {
                     // Forces are those on the slave.
                     let sign = if is_plate_master { 100.0 } else { -100.0 };
-                    let share = |force: &[f64; 3]| {
-                        sign * force[AXIS] / force.iter().map(|f| f * f).sum::<f64>().sqrt()
+                    let share = |(time, force): &(f64, [f64; 3])| {
+                        (*time, sign * force[AXIS] / force.iter().map(|f| f * f).sum::<f64>().sqrt())
                     };
-                    let all: Vec<f64> = run.measures.iter().map(share).filter(|x| x.is_finite()).collect();
-                    let at = |quarter: usize| {
-                        let place = (quarter * all.len()).div_ceil(4).checked_sub(1);
-                        place.map_or_else(String::new, |place| format!("{:+.3} %", all[place]))
-                    };
-                    let largest = all.iter().map(|share| share.abs()).fold(0.0, f64::max);
-                    [at(1), at(2), at(3), at(4), format!("{largest:.3} %")]
+                    let all: Vec<(f64, f64)> = run.measures.iter().map(share).collect();
+                    let at = |part| share_at(&all, part);
+                    // There is none without a force.
+                    let shares = all.iter().map(|(_, share)| share.abs()).filter(|share| share.is_finite());
+                    let largest = shares.fold(0.0, f64::max);
+                    [at(0.25), at(0.5), at(0.75), at(1.0), format!("{largest:.3} %")]
                 });
                 let names = [
                     if is_stiff { "10⁴ times as stiff" } else { "as stiff as the pipe" }.to_owned(),
@@ -160,4 +159,29 @@ fn refined(decks: &Decks) -> Result<Findings, SolveError> {
         }
     }
     Ok(Findings { tables: vec![table], charts: Vec::new() })
+}
+
+/// The share when this part of the time has passed, however long the increments were; nothing without a force.
+fn share_at(shares: &[(f64, f64)], part: f64) -> String {
+    let end = shares.last().map_or(0.0, |(time, _)| *time);
+    let passed = shares.iter().find(|(time, _)| *time >= part * end * (1.0 - 1e-9));
+    match passed {
+        Some((_, share)) if share.is_finite() => format!("{share:+.3} %"),
+        _ => String::new(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn shares_belong_to_times() {
+        // Without a force first, and with increments cut back in the middle.
+        let shares =
+            [(0.1, f64::NAN), (0.25, 1.0), (0.5, 2.0), (0.55, 3.0), (0.6, 4.0), (0.8, 5.0), (1.0, 6.0)];
+        let at = |part| share_at(&shares, part);
+        assert_eq!([0.25, 0.5, 0.75, 1.0].map(at), ["+1.000 %", "+2.000 %", "+5.000 %", "+6.000 %"]);
+        assert_eq!([at(0.1), share_at(&[], 0.5)], ["", ""]);
+    }
 }

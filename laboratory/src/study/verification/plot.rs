@@ -3,11 +3,11 @@
 use plotters::prelude::*;
 
 use crate::study::StudyError;
+use crate::study::plot::{Area, FONT, Failure, builder, legend, svg};
 
 /// Width, and height of a chart.
 const WIDTH: u32 = 960;
 const HEIGHT: u32 = 360;
-const FONT: &str = "sans-serif";
 
 /// A chart of several curves.
 pub struct Chart {
@@ -35,21 +35,11 @@ pub struct Curve {
 
 /// The picture as SVG.
 pub fn draw(charts: &[Chart]) -> Result<String, StudyError> {
-    let mut svg = String::new();
-    {
-        let size = (WIDTH, HEIGHT * charts.len() as u32);
-        let area = SVGBackend::with_string(&mut svg, size).into_drawing_area();
+    svg((WIDTH, HEIGHT * charts.len() as u32), |area| {
         let parts = area.split_evenly((charts.len(), 1));
-        area.fill(&WHITE)
-            .and_then(|()| charts.iter().zip(&parts).try_for_each(|(chart, part)| chart.draw(part)))
-            .and_then(|()| area.present())
-            .map_err(|error| StudyError::Plot { reason: error.to_string() })?;
-    }
-    Ok(svg)
+        charts.iter().zip(&parts).try_for_each(|(chart, part)| chart.draw(part))
+    })
 }
-
-type Area<'a> = DrawingArea<SVGBackend<'a>, plotters::coord::Shift>;
-type Failure<'a> = DrawingAreaErrorKind<<SVGBackend<'a> as DrawingBackend>::ErrorType>;
 
 impl Chart {
     fn draw<'a>(&self, area: &Area<'a>) -> Result<(), Failure<'a>> {
@@ -59,13 +49,8 @@ impl Chart {
         let margin = 0.06 * (high - low);
         // The legend has the upper part to itself.
         let headroom = 0.12 * self.curves.len() as f64 * (high - low);
-        let mut chart = ChartBuilder::on(area)
-            .caption(&self.title, (FONT, 18))
-            .margin(12)
-            .margin_right(24)
-            .x_label_area_size(44)
-            .y_label_area_size(78)
-            .build_cartesian_2d(left..right, low - margin..high + headroom)?;
+        let mut chart =
+            builder(area, &self.title, 78).build_cartesian_2d(left..right, low - margin..high + headroom)?;
         chart
             .configure_mesh()
             .light_line_style(WHITE)
@@ -89,13 +74,7 @@ impl Chart {
                     .legend(move |(x, y)| PathElement::new([(x, y), (x + 20, y)], style));
             }
         }
-        chart
-            .configure_series_labels()
-            .position(SeriesLabelPosition::UpperRight)
-            .background_style(WHITE.mix(0.85))
-            .border_style(BLACK.mix(0.3))
-            .label_font((FONT, 14))
-            .draw()
+        legend(&mut chart, SeriesLabelPosition::UpperRight)
     }
 }
 

@@ -335,7 +335,8 @@ impl<'a, N: Number> Interpreter<'a, N> {
             // As far as a minimum is away, the unknowns are not of order one.
             let longest = if is_descent { limit * (1.0 + way) } else { limit };
             let mut fraction = if length > longest { longest / length } else { 1.0 };
-            let shortest = 1e-6 * fraction;
+            // More than 0, also where a step has no end.
+            let shortest = (1e-6 * fraction).max(f64::MIN_POSITIVE);
             // The slope along a step: r is that down the function.
             let slope = |r: &[N]| -> f64 { r.iter().zip(&step).map(|(r, d)| -d * r.value()).sum() };
             let accepted = loop {

@@ -61,8 +61,7 @@
 //!
 //! It gets B, C, D and K from the derivative engine, finds common scalar factors (`structure/factors.rs`) and applies the rotation to global
 //! axes to the factors. The slave's rows follow from translation invariance, which it checks. A Hessian costs one rank-12 update per pair of
-//! nodes, 12 fused multiply-adds an entry (18 with a co-moving frame). Rows of the factors that are the same for all nodes are multiplied
-//! once per element.
+//! nodes, 12 fused multiply-adds an entry (18 with a co-moving frame).
 //!
 //! **Two choices of the model make K small.** The gap is the stationary value of Ψ(δ, q) = ν(q)·(x^c − x^d). It stays smooth at g = 0, and
 //! its first derivative by α is a partial derivative. After the foot is found the basis is recentred there (p(a − o) = T p(a), A → T A Tᵀ).

@@ -133,18 +133,6 @@ impl<'a> Lowering<'a> {
         match self.source.op(expr) {
             Op::Constant(bits) => self.target.constant(f64::from_bits(bits)),
             Op::Symbol(symbol) => self.lower_symbol(symbol),
-            Op::Add(x, y) => {
-                let (x, y) = (self.lower(x), self.lower(y));
-                self.target.add(x, y)
-            }
-            Op::Neg(x) => {
-                let x = self.lower(x);
-                self.target.neg(x)
-            }
-            Op::Mul(x, y) => {
-                let (x, y) = (self.lower(x), self.lower(y));
-                self.target.mul(x, y)
-            }
             Op::Div(x, y) => {
                 let shared = self.divisors.get(&y).is_some_and(|&count| count > 1);
                 let (x, y) = (self.lower(x), self.lower(y));
@@ -161,49 +149,12 @@ impl<'a> Lowering<'a> {
                 let reciprocal = self.target.div_or_zero(one, y);
                 self.target.mul(x, reciprocal)
             }
-            Op::Sqrt(x) => {
-                let x = self.lower(x);
-                self.target.sqrt(x)
-            }
-            Op::Exp(x) => {
-                let x = self.lower(x);
-                self.target.exp(x)
-            }
-            Op::Function(function, x) => {
-                let x = self.lower(x);
-                self.target.function(function, x)
-            }
-            Op::Atan2(y, x) => {
-                let (y, x) = (self.lower(y), self.lower(x));
-                self.target.atan2(y, x)
-            }
-            Op::RealPower(x, y) => {
-                let (x, y) = (self.lower(x), self.lower(y));
-                self.target.real_power(x, y)
-            }
             Op::Hypot(x, y) => {
                 let square = self.square_of_hypot(x, y);
                 self.target.sqrt(square)
             }
             Op::Power(base, exponent) => self.lower_power(base, exponent),
             Op::Polynomial(base, polynomial) => self.lower_polynomial(base, polynomial),
-            Op::Select { x, y, then, otherwise } => {
-                let (x, y) = (self.lower(x), self.lower(y));
-                let (then, otherwise) = (self.lower(then), self.lower(otherwise));
-                self.target.select_less(x, y, then, otherwise)
-            }
-            Op::Sum(x) => {
-                let x = self.lower(x);
-                self.target.sum(x)
-            }
-            Op::Row(x) => {
-                let x = self.lower(x);
-                self.target.at_row(x)
-            }
-            Op::Column(x) => {
-                let x = self.lower(x);
-                self.target.at_column(x)
-            }
             Op::Solution(solve, component) => self.lower_solve(solve)[component as usize],
             Op::InverseFactor { system, row, column } => {
                 self.inverse_factor(system, row as usize, column as usize)
@@ -216,6 +167,11 @@ impl<'a> Lowering<'a> {
             Op::RootFigure(root, figure) => {
                 let root = self.lower_root(root).0;
                 self.target.root_figure(root, figure)
+            }
+            op => {
+                let operands =
+                    self.source.operands(expr).into_iter().map(|x| self.lower(x)).collect::<Vec<_>>();
+                self.target.made(op, &operands)
             }
         }
     }

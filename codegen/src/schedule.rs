@@ -47,10 +47,8 @@ pub enum NodeTarget {
 /// The rows of a Hessian's form in the order in which they are multiplied: b and c of each term.
 #[derive(Clone, Debug, Default)]
 pub struct FormRows {
-    /// Those of terms that differ between nodes, of a node.
-    pub varying: Vec<[ExprId; 3]>,
-    /// Those of terms that are the same for all nodes; none if there is a point, which differs from the nodes.
-    pub constant: Vec<[ExprId; 3]>,
+    /// Those of a node.
+    pub rows: Vec<[ExprId; 3]>,
     /// The part of a point: its rows c, those of b being zero, and the lower triangle of its own block.
     pub point: Option<(Vec<[ExprId; 3]>, [ExprId; 6])>,
 }
@@ -62,26 +60,20 @@ impl FormRows {
                 [(0, 0), (1, 0), (1, 1), (2, 0), (2, 1), (2, 2)].map(|(i, j): (usize, usize)| own[i][j]);
             (c.clone(), [xx, yx, yy, zx, zy, zz])
         });
-        let mut rows = Self { point, ..Self::default() };
-        for term in &form.terms {
-            let is_constant = Self::is_constant(graph, form, term);
-            let list = if is_constant { &mut rows.constant } else { &mut rows.varying };
-            list.extend([term.b[0], term.c[0]]);
-        }
-        rows
+        // Nodes that fill up a vector have rows of zeros, which rows that are the same for all nodes would not be.
+        let is_same = |term: &LowRankTerm| {
+            term.b[0].iter().chain(&term.c[0]).all(|&x| graph.scope(x) == Scope::Element)
+        };
+        assert!(form.point.is_some() || !form.terms.iter().any(is_same), "rows are the same for all nodes");
+        let rows = form.terms.iter().flat_map(|term| [term.b[0], term.c[0]]).collect();
+        Self { rows, point }
     }
 
-    /// Whether this form has the rows b of another one without constant rows, and a point besides.
+    /// Whether this form has the rows b of another one, and a point besides.
     #[must_use]
     pub fn extends(&self, other: &Self) -> bool {
-        let b = |form: &Self| -> Vec<[ExprId; 3]> { form.varying.iter().step_by(2).copied().collect() };
-        let has_constant = !(self.constant.is_empty() && other.constant.is_empty());
-        self.point.is_some() && other.point.is_none() && !has_constant && b(self) == b(other)
-    }
-
-    /// Whether the rows of a term are the same for all nodes.
-    fn is_constant(graph: &Graph, form: &LowRankForm, LowRankTerm { b, c, .. }: &LowRankTerm) -> bool {
-        form.point.is_none() && b[0].iter().chain(&c[0]).all(|&x| graph.scope(x) == Scope::Element)
+        let b = |form: &Self| -> Vec<[ExprId; 3]> { form.rows.iter().step_by(2).copied().collect() };
+        self.point.is_some() && other.point.is_none() && b(self) == b(other)
     }
 }
 
@@ -200,7 +192,6 @@ impl<'a, S: Clone> Scheduler<'a, S> {
             all.extend(gradient.slave.into_iter().chain(gradient.point.into_iter().flatten()));
         }
         for form in &self.forms {
-            all.extend(form.constant.as_flattened());
             if let Some((rows, own)) = &form.point {
                 all.extend(rows.iter().flatten().chain(own));
             }
@@ -214,7 +205,7 @@ impl<'a, S: Clone> Scheduler<'a, S> {
             all.push((NodeTarget::Gradient { gradient }, data.node.to_vec()));
         }
         for (hessian, ((_, data), form)) in self.kernel.hessians.iter().zip(&self.forms).enumerate() {
-            for (row, node) in form.varying.iter().enumerate() {
+            for (row, node) in form.rows.iter().enumerate() {
                 all.push((NodeTarget::Row { hessian, row }, node.to_vec()));
             }
             let own = (0..3).flat_map(|row| data.form.own[row][..=row].to_vec());
@@ -260,13 +251,9 @@ impl<'a, S: Clone> Scheduler<'a, S> {
         Program { kernel: self.kernel.clone(), phases, forms: self.forms, combinations, roots, layout }
     }
 
-    /// Coefficients of the combinations, those for varying terms first.
+    /// Coefficients of the combinations.
     fn combinations(&self) -> Vec<Vec<ExprId>> {
-        let Some((_, hessian)) = self.kernel.hessians.first() else { return Vec::new() };
-        let mut order: Vec<usize> = (0..hessian.form.terms.len()).collect();
-        order.sort_by_key(|&k| FormRows::is_constant(self.graph, &hessian.form, &hessian.form.terms[k]));
-        let sorted = |(_, all): &(_, Vec<ExprId>)| order.iter().map(|&k| all[k]).collect();
-        self.kernel.combinations.iter().map(sorted).collect()
+        self.kernel.combinations.iter().map(|(_, all)| all.clone()).collect()
     }
 
     /// What is needed for combinations only, operands first.

@@ -3,9 +3,9 @@
 #![allow(non_snake_case)]
 
 use diffuse_contact_codegen::emit::emit_element_kernel;
-use diffuse_contact_codegen::expr::{Expr, Mat3, Matrix, Vec2, Vec3, Vector, dot};
+use diffuse_contact_codegen::expr::{Expr, Matrix, Vec2, Vec3, Vector, dot};
 use diffuse_contact_codegen::interpret::{element_derivatives, element_products};
-use diffuse_contact_codegen::{Config, ElementError, ElementKernels, ElementModel, Limits};
+use diffuse_contact_codegen::{ElementError, ElementKernels, ElementModel, Limits};
 
 use crate::witnesses::{difference, numbers, spring, tet4};
 
@@ -221,16 +221,4 @@ fn a_product_of_nothing_is_refused() {
         m.product();
     });
     assert_eq!(error.unwrap_err(), ElementError::Duplicate { name: "hessian_product".to_owned() });
-}
-
-/// Rows of a matrix: a helper of formulas with names that the generated code has for itself.
-#[test]
-fn names_of_the_generated_code_may_be_inputs() {
-    let source = Config::new().element("names", |m| {
-        let direction: Vec3<'_> = m.variable("direction");
-        let product: Mat3<'_> = m.parameter("product");
-        m.energy((product * direction).norm());
-        m.product();
-    });
-    assert!(source.unwrap().source().is_ok());
 }

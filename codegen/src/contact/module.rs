@@ -205,7 +205,7 @@ pub(super) fn gap_kernel(kernel: &EmittedKernel<KernelSpec>, optimised: bool) ->
     };
     let gradients = parameter("gradients", spec.mode >= Mode::Gradient);
     let second = parameter("second", spec.mode >= Mode::Hessian);
-    let form = kernel.form.map(|[varying, constant]| quote!(const FORM: [usize; 2] = [#varying, #constant];));
+    let rows = kernel.rows.map(|rows| quote!(const ROWS: usize = #rows;));
     Some(quote! {
         #[doc = #doc]
         #[derive(Clone, Copy, Debug)]
@@ -217,7 +217,7 @@ pub(super) fn gap_kernel(kernel: &EmittedKernel<KernelSpec>, optimised: bool) ->
             const ANCHOR: bool = #has_anchor;
             const KEPT: usize = #kept::COUNT;
             const WIDTHS: Widths = Widths::#widths;
-            #form
+            #rows
 
             #[inline(always)]
             fn evaluate<E: Lane, T: Lane, S: Shape<Element = E, Node = T>>(
@@ -350,11 +350,11 @@ fn factor_methods((weight, number): (&Weight, usize), place: &TokenStream, bases
     let (patterns, types): (Vec<TokenStream>, Vec<TokenStream>) = kernels.unzip();
     quote! {
         fn gap_form((basis, frame): (Basis, FrameRule), count: usize) -> FormRows {
-            let [varying, constant] = match (basis, frame) {
-                #(#patterns => <#types as GapKernel>::FORM,)*
-                (Basis::Custom(_), _) => [0, 0],
+            let rows = match (basis, frame) {
+                #(#patterns => <#types as GapKernel>::ROWS,)*
+                (Basis::Custom(_), _) => 0,
             };
-            FormRows { varying, constant, count }
+            FormRows { rows, count }
         }
 
         fn gap_factors(

@@ -52,8 +52,8 @@ pub struct EmittedKernel<S> {
     pub counts: KernelCounts,
     /// Statements of the function.
     pub statements: usize,
-    /// Rows of the first Hessian's form, if there is one: those that differ between nodes, and those that are the same for all.
-    pub form: Option<[usize; 2]>,
+    /// Rows of the first Hessian's form, if there is one.
+    pub rows: Option<usize>,
 }
 
 /// Writes the function of a kernel.
@@ -130,8 +130,8 @@ impl<S: Clone> FunctionWriter<'_, S> {
                 #values
             }
         };
-        let form = self.program.forms.first().map(|rows| [rows.varying.len(), rows.constant.len()]);
-        EmittedKernel { spec: spec.clone(), tokens, counts: self.counts, statements: self.statements, form }
+        let rows = self.program.forms.first().map(|form| form.rows.len());
+        EmittedKernel { spec: spec.clone(), tokens, counts: self.counts, statements: self.statements, rows }
     }
 
     /// Scratch as what is kept of each node, and the forms'.
@@ -202,10 +202,9 @@ impl<S: Clone> FunctionWriter<'_, S> {
         }
         let forms = self.program.forms.iter().enumerate().map(|(hessian, rows)| {
             let (form, name) = (form_name(hessian), rows_name(hessian));
-            let (varying, constant) = (rows.varying.len(), rows.constant.len());
-            let point = rows.point.is_some().then(|| quote!(: count + 1));
+            let (count, point) = (rows.rows.len(), rows.point.is_some().then(|| quote!(: count + 1)));
             quote! {
-                let #name = FormRows { varying: #varying, constant: #constant, count #point };
+                let #name = FormRows { rows: #count, count #point };
                 let (#form, forms) = forms.split_at_mut(S::form_length(#name));
             }
         });
@@ -228,7 +227,6 @@ impl<S: Clone> FunctionWriter<'_, S> {
                 let entries = x.map(|x| self.writer.used(x));
                 quote!([#(#entries),*])
             };
-            let constant: Vec<TokenStream> = rows.constant.iter().map(&mut row).collect();
             let (per_node, per_pair) = form_counts(rows);
             self.counts.node += per_node;
             self.counts.pair += per_pair;
@@ -246,15 +244,7 @@ impl<S: Clone> FunctionWriter<'_, S> {
                 return point;
             }
             let not_finite = not_finite_name(hessian);
-            quote! {
-                #point
-                let #not_finite = S::finish_form(
-                    #form,
-                    #name,
-                    &[#(#constant),*],
-                    &mut second,
-                );
-            }
+            quote!(#point let #not_finite = S::finish_form(#form, #name, &mut second);)
         });
         let updates: Vec<TokenStream> = updates.collect();
         self.counts.element += self.writer.take_counts();
@@ -362,7 +352,7 @@ impl<S: Clone> FunctionWriter<'_, S> {
         let places_count = kept.len();
         // x, y and z of the rows, and room for a node's own block.
         let forms = self.program.forms.iter().map(|rows| {
-            let numbers = 3 * (rows.varying.len() + rows.constant.len());
+            let numbers = 3 * rows.rows.len();
             quote!(+ #numbers + super::FormRows::OWN)
         });
         let doc = format!(" Places of what `{function}` keeps of a node between its loops.");
@@ -392,11 +382,11 @@ fn rows_name(hessian: usize) -> Ident {
 
 /// Operations of a form's products: per node, with the slave and with itself, and per pair of nodes.
 fn form_counts(rows: &FormRows) -> (OpCounts, OpCounts) {
-    let products = 9 * rows.varying.len();
+    let products = 9 * rows.rows.len();
     // The diagonal block is symmetric: half the products, twice, and the own block added.
-    let fused = products + 3 * rows.varying.len() + 6;
+    let fused = products + 3 * rows.rows.len() + 6;
     // The slave's rows and its own block are sums over the nodes.
-    let additions = 3 * rows.varying.len() + 6;
+    let additions = 3 * rows.rows.len() + 6;
     let node = OpCounts { fused, additions, ..OpCounts::default() };
     (node, OpCounts { fused: products, ..OpCounts::default() })
 }

@@ -195,6 +195,26 @@ pub enum Op {
     Column(ExprId),
 }
 
+impl Op {
+    fn operands(self) -> Vec<ExprId> {
+        match self {
+            Self::Add(x, y) | Self::Mul(x, y) | Self::Div(x, y) | Self::DivOrZero(x, y) => vec![x, y],
+            Self::Atan2(x, y) | Self::RealPower(x, y) | Self::Hypot(x, y) => vec![x, y],
+            Self::Neg(x) | Self::Sqrt(x) | Self::Exp(x) | Self::Function(_, x) => vec![x],
+            Self::Power(x, _) | Self::Polynomial(x, _) => vec![x],
+            Self::Sum(x) | Self::Row(x) | Self::Column(x) => vec![x],
+            Self::Select { x, y, then, otherwise } => vec![x, y, then, otherwise],
+            Self::Constant(_)
+            | Self::Symbol(_)
+            | Self::Solution(..)
+            | Self::InverseFactor { .. }
+            | Self::PivotRatio(_)
+            | Self::RootValue(..)
+            | Self::RootFigure(..) => Vec::new(),
+        }
+    }
+}
+
 /// A named leaf.
 #[derive(Clone, Debug)]
 pub struct Symbol {
@@ -273,24 +293,7 @@ impl Graph {
     /// [`dependencies`](Self::dependencies) follows those too.
     #[must_use]
     pub fn operands(&self, expr: ExprId) -> Vec<ExprId> {
-        match self.op(expr) {
-            Op::Add(x, y) | Op::Mul(x, y) | Op::Div(x, y) | Op::DivOrZero(x, y) | Op::Hypot(x, y) => {
-                vec![x, y]
-            }
-            Op::Atan2(y, x) => vec![y, x],
-            Op::RealPower(x, y) => vec![x, y],
-            Op::Neg(x) | Op::Sqrt(x) | Op::Exp(x) | Op::Power(x, _) | Op::Polynomial(x, _) => vec![x],
-            Op::Function(_, x) => vec![x],
-            Op::Sum(x) | Op::Row(x) | Op::Column(x) => vec![x],
-            Op::Select { x, y, then, otherwise } => vec![x, y, then, otherwise],
-            Op::Constant(_)
-            | Op::Symbol(_)
-            | Op::Solution(..)
-            | Op::InverseFactor { .. }
-            | Op::PivotRatio(_)
-            | Op::RootValue(..)
-            | Op::RootFigure(..) => Vec::new(),
-        }
+        self.op(expr).operands()
     }
 
     /// Everything an expression's value depends on directly: operands, a bound symbol's definition, the
@@ -434,21 +437,10 @@ impl Graph {
         let widest = |exprs: &[ExprId]| exprs.iter().map(|&x| self.scope(x)).max().unwrap_or(Scope::Element);
         match op {
             Op::Symbol(symbol) => self.symbols[symbol.index()].scope,
-            Op::Add(x, y) | Op::Mul(x, y) | Op::Div(x, y) | Op::DivOrZero(x, y) | Op::Hypot(x, y) => {
-                widest(&[x, y])
-            }
-            Op::Atan2(x, y) | Op::RealPower(x, y) => widest(&[x, y]),
-            Op::Function(_, x) => self.scope(x),
-            Op::Neg(x) | Op::Sqrt(x) | Op::Exp(x) | Op::Power(x, _) | Op::Polynomial(x, _) => self.scope(x),
-            Op::Select { x, y, then, otherwise } => widest(&[x, y, then, otherwise]),
             Op::Solution(solve, _) => widest(&self.solves[solve.index()].right_hand_side),
             Op::Row(_) | Op::Column(_) => Scope::Pair,
-            Op::Constant(_)
-            | Op::Sum(_)
-            | Op::InverseFactor { .. }
-            | Op::PivotRatio(_)
-            | Op::RootValue(..)
-            | Op::RootFigure(..) => Scope::Element,
+            Op::Sum(_) => Scope::Element,
+            _ => widest(&op.operands()),
         }
     }
 }

@@ -15,6 +15,36 @@ const MOST_FACTORS: usize = 16;
 const MOST_PRODUCTS: f64 = 32.0;
 
 impl Graph {
+    /// An operation of this graph on these operands in the place of its own, in their order.
+    ///
+    /// # Panics
+    /// If it has others, or none.
+    pub(crate) fn made(&mut self, op: Op, operands: &[ExprId]) -> ExprId {
+        match (op, operands) {
+            (Op::Add(..), &[x, y]) => self.add(x, y),
+            (Op::Neg(_), &[x]) => self.neg(x),
+            (Op::Mul(..), &[x, y]) => self.mul(x, y),
+            (Op::Div(..), &[x, y]) => self.div(x, y),
+            (Op::DivOrZero(..), &[x, y]) => self.div_or_zero(x, y),
+            (Op::Sqrt(_), &[x]) => self.sqrt(x),
+            (Op::Exp(_), &[x]) => self.exp(x),
+            (Op::Function(function, _), &[x]) => self.function(function, x),
+            (Op::Atan2(..), &[y, x]) => self.atan2(y, x),
+            (Op::RealPower(..), &[x, y]) => self.real_power(x, y),
+            (Op::Hypot(..), &[x, y]) => self.hypot(x, y),
+            (Op::Power(_, exponent), &[x]) => self.power(x, exponent),
+            (Op::Polynomial(_, polynomial), &[x]) => {
+                let polynomial = self.polynomial_data(polynomial).clone();
+                self.polynomial(x, polynomial)
+            }
+            (Op::Select { .. }, &[x, y, then, otherwise]) => self.select_less(x, y, then, otherwise),
+            (Op::Sum(_), &[x]) => self.sum(x),
+            (Op::Row(_), &[x]) => self.at_row(x),
+            (Op::Column(_), &[x]) => self.at_column(x),
+            _ => panic!("{op:?} has other operands"),
+        }
+    }
+
     /// A number.
     pub fn constant(&mut self, value: f64) -> ExprId {
         // −0 and 0 are one constant.

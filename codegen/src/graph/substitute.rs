@@ -56,87 +56,17 @@ impl Graph {
         if let Some(&known) = done.get(&expr) {
             return known;
         }
-        let mut sub = |g: &mut Self, x: ExprId| g.substituted(x, replacements, done);
+        let operands = self.operands(expr);
         let result = match self.op(expr) {
             Op::Symbol(symbol) => {
                 replacements.iter().find(|(s, _)| *s == symbol).map_or(expr, |&(_, replacement)| replacement)
             }
-            Op::Add(x, y) => {
-                let (x, y) = (sub(self, x), sub(self, y));
-                self.add(x, y)
+            _ if operands.is_empty() => expr,
+            op => {
+                let operands: Vec<ExprId> =
+                    operands.into_iter().map(|x| self.substituted(x, replacements, done)).collect();
+                self.made(op, &operands)
             }
-            Op::Neg(x) => {
-                let x = sub(self, x);
-                self.neg(x)
-            }
-            Op::Mul(x, y) => {
-                let (x, y) = (sub(self, x), sub(self, y));
-                self.mul(x, y)
-            }
-            Op::Div(x, y) => {
-                let (x, y) = (sub(self, x), sub(self, y));
-                self.div(x, y)
-            }
-            Op::DivOrZero(x, y) => {
-                let (x, y) = (sub(self, x), sub(self, y));
-                self.div_or_zero(x, y)
-            }
-            Op::Sqrt(x) => {
-                let x = sub(self, x);
-                self.sqrt(x)
-            }
-            Op::Exp(x) => {
-                let x = sub(self, x);
-                self.exp(x)
-            }
-            Op::Function(function, x) => {
-                let x = sub(self, x);
-                self.function(function, x)
-            }
-            Op::Atan2(y, x) => {
-                let (y, x) = (sub(self, y), sub(self, x));
-                self.atan2(y, x)
-            }
-            Op::RealPower(x, y) => {
-                let (x, y) = (sub(self, x), sub(self, y));
-                self.real_power(x, y)
-            }
-            Op::Hypot(x, y) => {
-                let (x, y) = (sub(self, x), sub(self, y));
-                self.hypot(x, y)
-            }
-            Op::Power(x, exponent) => {
-                let x = sub(self, x);
-                self.power(x, exponent)
-            }
-            Op::Polynomial(x, polynomial) => {
-                let x = sub(self, x);
-                let polynomial = self.polynomial_data(polynomial).clone();
-                self.polynomial(x, polynomial)
-            }
-            Op::Select { x, y, then, otherwise } => {
-                let (x, y) = (sub(self, x), sub(self, y));
-                let (then, otherwise) = (sub(self, then), sub(self, otherwise));
-                self.select_less(x, y, then, otherwise)
-            }
-            Op::Sum(x) => {
-                let x = sub(self, x);
-                self.sum(x)
-            }
-            Op::Row(x) => {
-                let x = sub(self, x);
-                self.at_row(x)
-            }
-            Op::Column(x) => {
-                let x = sub(self, x);
-                self.at_column(x)
-            }
-            Op::Constant(_)
-            | Op::Solution(..)
-            | Op::InverseFactor { .. }
-            | Op::PivotRatio(_)
-            | Op::RootValue(..)
-            | Op::RootFigure(..) => expr,
         };
         // The value is the same quantity under other circumstances.
         if result != expr

@@ -21,8 +21,8 @@ pub trait GapKernel {
     const KEPT: usize;
     /// What it is compiled for: less saves time and room.
     const WIDTHS: Widths;
-    /// Rows of the form of the gap's Hessian, as of [`FormRows`](super::FormRows): varying and constant ones.
-    const FORM: [usize; 2] = [0, 0];
+    /// Rows of the form of the gap's Hessian, as of [`FormRows`](super::FormRows).
+    const ROWS: usize = 0;
 
     /// Evaluates the elements of a [`Shape`].
     ///
@@ -131,8 +131,7 @@ fn may_differ<K: GapKernel>(kind: SecondKind) -> bool {
 /// The form of the gap's Hessian.
 const fn form<K: GapKernel>(nodes: usize) -> FormRows {
     assert!(!K::ANCHOR, "no factors of a slip's Hessian");
-    let [varying, constant] = K::FORM;
-    FormRows { varying, constant, count: nodes }
+    FormRows { rows: K::ROWS, count: nodes }
 }
 
 /// Runs a kernel of any output for one element, number by number. `kept`: values it keeps of a node between its loops.

@@ -26,15 +26,13 @@ impl FormRows {
         let coefficients = &factors[self.factors()..][..self.foot_coefficients()];
         // Of each product the four coefficients side by side.
         let mut of_products = [[T::ZERO; Self::FOOT]; MOST_ROWS / 2];
-        let products = (self.varying + self.constant) / 2;
+        let products = self.rows / 2;
         for product in 0..products {
             for quantity in 0..Self::FOOT {
                 of_products[product][quantity] = coefficients[products * quantity + product];
             }
         }
         let frame_normal = &coefficients[Self::FOOT * products..];
-        let (of_varying, of_constant) = of_products[..products].split_at(self.varying / 2);
-        let constant = &factors[self.node_factors() * self.count..];
         let freedoms = 3 * (self.count + 1);
         let (weights, normal) = target[..self.foot_numbers()].split_at_mut(self.count);
         let mut slave = [[T::ZERO; 3]; 3];
@@ -43,8 +41,7 @@ impl FormRows {
             let mut weight = T::ZERO;
             for axis in 0..3 {
                 let mut sums = [T::ZERO; Self::FOOT];
-                add_rows(of_varying, &own[self.varying * axis..], &mut sums);
-                add_rows(of_constant, &constant[self.constant * axis..], &mut sums);
+                add_rows(&of_products[..products], &own[self.rows * axis..], &mut sums);
                 for component in 0..3 {
                     normal[freedoms * component + 3 * (node + 1) + axis] = sums[component];
                     // Translations change nothing.
@@ -68,7 +65,7 @@ impl FormRows {
     /// Numbers that follow the [factors](Self::factors) where the foot is asked for too: four for each product, and n̂.
     #[inline(always)]
     pub(super) const fn foot_coefficients(self) -> usize {
-        Self::FOOT * ((self.varying + self.constant) / 2) + 3
+        Self::FOOT * (self.rows / 2) + 3
     }
 
     /// Quantities that are combined from rows: x, y and z of the normal, and the height.

@@ -1,7 +1,7 @@
 //! Hessians from their form of low rank: M = Σ cᵀb + bᵀc over slave and nodes, plus the nodes' own blocks.
 //!
 //! The own block O of a node stands at (node, node), −O at (node, slave).
-//! Rows are ordered b₀, c₀, b₁, c₁, …; first those that differ between nodes, then those that are the same for all.
+//! Rows are ordered b₀, c₀, b₁, c₁, ….
 //!
 //! A product may overflow though others that it cancels with hide it: what multiplies also returns 0 times sums of entries it wrote: 0 if all
 //! are finite, NaN if not, or if their sum is within a factor of nine of overflow. The slave's rows are the negative sums of the nodes', and
@@ -14,10 +14,8 @@ use super::{Lane, packed_row};
 /// How many rows a form has.
 #[derive(Clone, Copy, Debug)]
 pub struct FormRows {
-    /// Rows that differ between nodes, two for each product.
-    pub varying: usize,
-    /// Rows that are the same for all nodes.
-    pub constant: usize,
+    /// Rows of a node, two for each product.
+    pub rows: usize,
     /// Number of master nodes.
     pub count: usize,
 }
@@ -30,7 +28,7 @@ impl FormRows {
     #[inline(always)]
     #[must_use]
     pub const fn factors(self) -> usize {
-        self.node_factors() * self.count + 3 * self.constant
+        self.node_factors() * self.count
     }
 
     /// Numbers of the slave's [rows](super::SecondKind::SlaveRows) of M.
@@ -44,11 +42,7 @@ impl FormRows {
     #[inline(always)]
     #[must_use]
     pub(super) const fn node_factors(self) -> usize {
-        3 * self.varying + 6
-    }
-
-    const fn all(self) -> usize {
-        self.varying + self.constant
+        3 * self.rows + 6
     }
 }
 

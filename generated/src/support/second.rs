@@ -6,8 +6,7 @@
 //! product 6 r + 9 multiplications instead of 9 n.
 //!
 //! # Order
-//! For each node the x of all rows b₀, c₀, b₁, c₁, …, their y, their z; then the lower triangle of its own block. At the end x, y
-//! and z of the rows that are the same for all nodes.
+//! For each node the x of all rows b₀, c₀, b₁, c₁, …, their y, their z; then the lower triangle of its own block.
 
 use super::simd::{MOST_LANES, Placed, Vector, WithLanes};
 use super::{FormRows, Isa};
@@ -130,7 +129,7 @@ impl FormRows {
             v: &v[..freedoms],
             product: &mut product[..freedoms],
         };
-        match self.varying {
+        match self.rows {
             // The quadratic basis: in a frame that is held, in one that moves, and with domains of nodes.
             12 => in_fours(isa, Unrolled::<12>(code)),
             18 => isa.run(Unrolled::<18>(code)),
@@ -146,28 +145,24 @@ impl FormRows {
     /// # Panics
     /// If a slice is shorter than the rows say.
     pub fn factors_diagonal(self, factors: &[f64], diagonal: &mut [f64]) {
-        let constant = &factors[self.node_factors() * self.count..];
         let pairs = |rows: &[f64]| 2.0 * rows.chunks_exact(2).map(|pair| pair[0] * pair[1]).sum::<f64>();
-        let mut sums = vec![0.0; 3 * (self.varying + self.constant)];
+        let mut sums = vec![0.0; 3 * self.rows];
         let mut own_sum = [0.0; 3];
         for node in 0..self.count {
             let factors = &factors[self.node_factors() * node..][..self.node_factors()];
-            let own = &factors[3 * self.varying..];
+            let own = &factors[3 * self.rows..];
             for axis in 0..3 {
-                let rows = &factors[self.varying * axis..][..self.varying];
-                let same = &constant[self.constant * axis..][..self.constant];
+                let rows = &factors[self.rows * axis..][..self.rows];
                 let block = own[[0, 2, 5][axis]];
-                diagonal[3 * (node + 1) + axis] = block + pairs(rows) + pairs(same);
+                diagonal[3 * (node + 1) + axis] = block + pairs(rows);
                 own_sum[axis] += block;
-                let sums = &mut sums[(self.varying + self.constant) * axis..];
-                for (sum, row) in sums.iter_mut().zip(rows.iter().chain(same)) {
+                for (sum, row) in sums[self.rows * axis..].iter_mut().zip(rows) {
                     *sum += row;
                 }
             }
         }
         for axis in 0..3 {
-            let all = self.varying + self.constant;
-            diagonal[axis] = own_sum[axis] + pairs(&sums[all * axis..][..all]);
+            diagonal[axis] = own_sum[axis] + pairs(&sums[self.rows * axis..][..self.rows]);
         }
     }
 }
@@ -185,16 +180,16 @@ struct Product<'a> {
 }
 
 /// A product whose number of rows the compiler knows; 0: any.
-struct Unrolled<'a, const VARYING: usize>(Product<'a>);
+struct Unrolled<'a, const ROWS: usize>(Product<'a>);
 
-impl<const VARYING: usize> WithLanes for Unrolled<'_, VARYING> {
+impl<const ROWS: usize> WithLanes for Unrolled<'_, ROWS> {
     type Output = ();
 
     #[inline(always)]
     fn run<T: Vector>(self) {
         let Self(mut code) = self;
-        if VARYING > 0 {
-            code.rows.varying = VARYING;
+        if ROWS > 0 {
+            code.rows.rows = ROWS;
         }
         code.multiply::<T>();
     }
@@ -215,7 +210,6 @@ impl Product<'_> {
         }
         let mut swapped = [0.0; MOST_ROWS + MOST_LANES];
         swapped_sums::<T>(rows, factors, product, &mut swapped);
-        let same = same_for_all(rows, factors, product);
         let mut total = [0.0; 3];
         let mut node = 0;
         while node < rows.count {
@@ -224,7 +218,7 @@ impl Product<'_> {
             let of_nodes = [of_node(0), of_node(1), of_node(2), of_node(3)];
             let blocks = blocks::<T>(rows, of_nodes, &swapped);
             for k in 0..NODES.min(rows.count - node) {
-                let own = &of_nodes[k][3 * rows.varying..][..6];
+                let own = &of_nodes[k][3 * rows.rows..][..6];
                 let [x, y, z] = product[node + k];
                 let own = [
                     own[0] * x + own[1] * y + own[3] * z,
@@ -232,7 +226,7 @@ impl Product<'_> {
                     own[3] * x + own[4] * y + own[5] * z,
                 ];
                 for axis in 0..3 {
-                    let entry = blocks[axis][k] + (own[axis] + same[axis]);
+                    let entry = blocks[axis][k] + own[axis];
                     product[node + k][axis] = entry;
                     total[axis] -= entry;
                 }
@@ -251,10 +245,10 @@ fn swapped_sums<T: Vector>(
     differences: &[[f64; 3]],
     swapped: &mut [f64; MOST_ROWS + MOST_LANES],
 ) {
-    assert!(rows.varying <= MOST_ROWS, "{} rows", rows.varying);
+    assert!(rows.rows <= MOST_ROWS, "{} rows", rows.rows);
     let mut first = 0;
-    while first < rows.varying {
-        let vectors = (rows.varying - first).div_ceil(T::WIDTH);
+    while first < rows.rows {
+        let vectors = (rows.rows - first).div_ceil(T::WIDTH);
         first += T::WIDTH
             * match vectors {
                 1 => sums::<T, 1>(rows, factors, differences, first, swapped),
@@ -263,10 +257,10 @@ fn swapped_sums<T: Vector>(
                 _ => sums::<T, GROUP>(rows, factors, differences, first, swapped),
             };
     }
-    for place in rows.varying..rows.varying + MOST_LANES {
+    for place in rows.rows..rows.rows + MOST_LANES {
         swapped[place] = 0.0;
     }
-    for pair in 0..rows.varying / 2 {
+    for pair in 0..rows.rows / 2 {
         swapped.swap(2 * pair, 2 * pair + 1);
     }
 }
@@ -276,11 +270,11 @@ fn swapped_sums<T: Vector>(
 fn blocks<T: Vector>(rows: FormRows, factors: [&[f64]; NODES], of_rows: &[f64]) -> [[f64; NODES]; 3] {
     let mut sums = [[T::ZERO; NODES]; 3];
     let mut row = 0;
-    while row < rows.varying {
+    while row < rows.rows {
         let of_rows = T::load(of_rows, row);
         for axis in 0..3 {
             for node in 0..NODES {
-                let entries = T::load(factors[node], rows.varying * axis + row);
+                let entries = T::load(factors[node], rows.rows * axis + row);
                 sums[axis][node] = entries.mul_add(of_rows, sums[axis][node]);
             }
         }
@@ -306,7 +300,7 @@ fn sums<T: Vector, const VECTORS: usize>(
         for axis in 0..3 {
             let difference = T::splat(differences[node][axis]);
             for k in 0..VECTORS {
-                let row = T::load(factors, rows.varying * axis + first + T::WIDTH * k);
+                let row = T::load(factors, rows.rows * axis + first + T::WIDTH * k);
                 sums[axis][k] = row.mul_add(difference, sums[axis][k]);
             }
         }
@@ -315,30 +309,6 @@ fn sums<T: Vector, const VECTORS: usize>(
         (sums[0][k] + sums[1][k] + sums[2][k]).store(target, first + T::WIDTH * k);
     }
     VECTORS
-}
-
-/// What rows that are the same for all nodes bring to each.
-#[inline(always)]
-fn same_for_all(rows: FormRows, factors: &[f64], differences: &[[f64; 3]]) -> [f64; 3] {
-    let mut same = [0.0; 3];
-    if rows.constant == 0 {
-        return same;
-    }
-    let constant = &factors[rows.node_factors() * rows.count..];
-    let mut sum = [0.0; 3];
-    for node in 0..differences.len() {
-        for axis in 0..3 {
-            sum[axis] += differences[node][axis];
-        }
-    }
-    let entry = |row: usize, axis: usize| constant[rows.constant * axis + row];
-    for row in 0..rows.constant {
-        let along = entry(row, 0) * sum[0] + entry(row, 1) * sum[1] + entry(row, 2) * sum[2];
-        for axis in 0..3 {
-            same[axis] += entry(row ^ 1, axis) * along;
-        }
-    }
-    same
 }
 
 #[cfg(test)]
@@ -359,36 +329,19 @@ mod tests {
             return sign * pairs.map(|pair| entry(rows, factors, pair, [a, b])).sum::<f64>();
         }
         let node = |k: usize| &factors[rows.node_factors() * (k - 1)..];
-        let same = &factors[rows.node_factors() * rows.count..];
         let products = |x: &[f64], y: &[f64], count: usize| -> f64 {
             (0..count).map(|row| x[count * a + row] * y[count * b + (row ^ 1)]).sum()
         };
-        let own = if i == j {
-            node(i)[3 * rows.varying + super::super::packed_row(a.max(b)) + a.min(b)]
-        } else {
-            0.0
-        };
-        products(node(i), node(j), rows.varying) + products(same, same, rows.constant) + own
+        let own =
+            if i == j { node(i)[3 * rows.rows + super::super::packed_row(a.max(b)) + a.min(b)] } else { 0.0 };
+        products(node(i), node(j), rows.rows) + own
     }
 
     #[test]
     fn factors_times_a_vector_are_the_hessian_times_the_vector() {
-        for (varying, constant) in [
-            (0, 0),
-            (2, 0),
-            (6, 2),
-            (8, 0),
-            (12, 0),
-            (12, 2),
-            (14, 2),
-            (16, 4),
-            (18, 0),
-            (28, 0),
-            (38, 2),
-            (64, 0),
-        ] {
+        for rows in [0, 2, 6, 8, 12, 14, 16, 18, 28, 38, 64] {
             for count in [1, 2, 3, 7, 12] {
-                let rows = FormRows { varying, constant, count };
+                let rows = FormRows { rows, count };
                 let freedoms = 3 * (count + 1);
                 // Behind the factors nothing may be read, and nothing be written behind the product.
                 let factors = numbers(rows.factors(), 1);

@@ -54,7 +54,7 @@ pub trait Shape {
     /// nodes, and of one vector more.
     fn form_length(rows: FormRows) -> usize;
 
-    /// Keeps the nodes' part of a varying row of a form, by x, y and z.
+    /// Keeps the nodes' part of a row of a form, by x, y and z.
     fn keep_row(
         form: &mut [Self::Output],
         rows: FormRows,
@@ -63,7 +63,7 @@ pub trait Shape {
         values: [Self::Node; 3],
     );
 
-    /// Keeps the nodes' part of a varying row b that the form before has, too: with [`finish_pair`](Self::finish_pair) a shape may read it
+    /// Keeps the nodes' part of a row b that the form before has, too: with [`finish_pair`](Self::finish_pair) a shape may read it
     /// there.
     fn keep_common_row(
         form: &mut [Self::Output],
@@ -76,7 +76,7 @@ pub trait Shape {
     /// Keeps the nodes' own blocks, lower triangles.
     fn keep_own(form: &mut [Self::Output], rows: FormRows, vector: usize, own: [Self::Node; 6]);
 
-    /// Keeps two varying rows, from `row` on, of the last node of a form: a point that no loop over the nodes writes.
+    /// Keeps two rows, from `row` on, of the last node of a form: a point that no loop over the nodes writes.
     fn keep_point_rows(
         form: &mut [Self::Output],
         rows: FormRows,
@@ -91,8 +91,8 @@ pub trait Shape {
     /// Writes a number of each node of a vector to its place among those of all.
     fn write_values(value: Self::Node, vector: usize, target: &mut [Self::Output]);
 
-    /// Writes what is asked for of a form: the packed Hessian, its rows of the slave, or the factors it is made of. `constant`: a node's part of the rows that
-    /// are the same for all. Returns 0 if every entry written is finite, else NaN.
+    /// Writes what is asked for of a form: the packed Hessian, its rows of the slave, or the factors it is made of. Returns 0 if every
+    /// entry written is finite, else NaN.
     ///
     /// # Panics
     /// If a slice is shorter than `rows` says.
@@ -100,21 +100,18 @@ pub trait Shape {
     fn finish_form(
         form: &mut [Self::Output],
         rows: FormRows,
-        constant: &[[Self::Element; 3]],
         second: &mut Second<'_, Self::Output>,
     ) -> Self::Element {
         match second.kind() {
-            SecondKind::Hessians => Self::multiply_form(form, rows, constant, second),
+            SecondKind::Hessians => Self::multiply_form(form, rows, second),
             SecondKind::Factors | SecondKind::FactorsAndFoot => {
-                Self::write_factors(form, rows, constant, second.next(rows.factors()))
+                Self::write_factors(form, rows, second.next(rows.factors()))
             }
-            SecondKind::SlaveRows => {
-                Self::write_slave_rows(form, rows, constant, second.next(rows.slave_rows()))
-            }
+            SecondKind::SlaveRows => Self::write_slave_rows(form, rows, second.next(rows.slave_rows())),
         }
     }
 
-    /// Writes the packed Hessians of two forms without constant rows. The second has the rows b of the first and one node more, a point whose
+    /// Writes the packed Hessians of two forms. The second has the rows b of the first and one node more, a point whose
     /// rows b are zero. Returns of each 0 if every entry written is finite, else NaN.
     ///
     /// # Panics
@@ -129,12 +126,7 @@ pub trait Shape {
     ///
     /// # Panics
     /// If a slice is shorter than `rows` says.
-    fn write_factors(
-        form: &[Self::Output],
-        rows: FormRows,
-        constant: &[[Self::Element; 3]],
-        target: &mut [Self::Output],
-    ) -> Self::Element;
+    fn write_factors(form: &[Self::Output], rows: FormRows, target: &mut [Self::Output]) -> Self::Element;
 
     /// Writes the slave's rows of the Hessian of a form; arguments and what is returned as for [`finish_form`](Self::finish_form).
     ///
@@ -143,7 +135,6 @@ pub trait Shape {
     fn write_slave_rows(
         form: &mut [Self::Output],
         rows: FormRows,
-        constant: &[[Self::Element; 3]],
         target: &mut [Self::Output],
     ) -> Self::Element;
 
@@ -155,7 +146,6 @@ pub trait Shape {
     fn multiply_form(
         form: &mut [Self::Output],
         rows: FormRows,
-        constant: &[[Self::Element; 3]],
         second: &mut Second<'_, Self::Output>,
     ) -> Self::Element;
 }
@@ -250,23 +240,23 @@ impl<T: Vector> Shape for Batch<T> {
     }
 
     #[inline(always)]
-    fn write_factors(form: &[T], rows: FormRows, constant: &[[T; 3]], target: &mut [T]) -> T {
-        batch::write_factors(form, rows, constant, target)
+    fn write_factors(form: &[T], rows: FormRows, target: &mut [T]) -> T {
+        batch::write_factors(form, rows, target)
     }
 
     #[inline(always)]
-    fn write_slave_rows(form: &mut [T], rows: FormRows, constant: &[[T; 3]], target: &mut [T]) -> T {
-        batch::write_slave_rows(form, rows, constant, target)
+    fn write_slave_rows(form: &mut [T], rows: FormRows, target: &mut [T]) -> T {
+        batch::write_slave_rows(form, rows, target)
     }
 
     #[inline(always)]
-    fn multiply_form(form: &mut [T], rows: FormRows, constant: &[[T; 3]], second: &mut Second<'_, T>) -> T {
+    fn multiply_form(form: &mut [T], rows: FormRows, second: &mut Second<'_, T>) -> T {
         // Number by number there is one element, whose numbers are its Hessian.
         if const { T::WIDTH == 1 } {
             let target = second.next(packed_row(3 * (rows.count + 1)));
-            batch::multiply(form, rows, constant, &mut Packed { target, node: 0 })
+            batch::multiply(form, rows, &mut Packed { target, node: 0 })
         } else {
-            batch::multiply(form, rows, constant, &mut second.next_placed(rows.count))
+            batch::multiply(form, rows, &mut second.next_placed(rows.count))
         }
     }
 
@@ -383,34 +373,19 @@ impl<T: Vector> Shape for Single<T> {
     }
 
     #[inline(always)]
-    fn write_factors(
-        form: &[f64],
-        rows: FormRows,
-        constant: &[[T::Scalar; 3]],
-        target: &mut [f64],
-    ) -> T::Scalar {
-        T::Scalar::splat(single::write_factors::<T>(form, rows, constant, target))
+    fn write_factors(form: &[f64], rows: FormRows, target: &mut [f64]) -> T::Scalar {
+        T::Scalar::splat(single::write_factors::<T>(form, rows, target))
     }
 
     #[inline(always)]
-    fn write_slave_rows(
-        form: &mut [f64],
-        rows: FormRows,
-        constant: &[[T::Scalar; 3]],
-        target: &mut [f64],
-    ) -> T::Scalar {
-        T::Scalar::splat(single::write_slave_rows::<T>(form, rows, constant, target))
+    fn write_slave_rows(form: &mut [f64], rows: FormRows, target: &mut [f64]) -> T::Scalar {
+        T::Scalar::splat(single::write_slave_rows::<T>(form, rows, target))
     }
 
     #[inline(always)]
-    fn multiply_form(
-        form: &mut [f64],
-        rows: FormRows,
-        constant: &[[T::Scalar; 3]],
-        second: &mut Second<'_, f64>,
-    ) -> T::Scalar {
+    fn multiply_form(form: &mut [f64], rows: FormRows, second: &mut Second<'_, f64>) -> T::Scalar {
         let target = second.next(packed_row(3 * (rows.count + 1)));
-        T::Scalar::splat(single::multiply::<T>(form, rows, constant, target))
+        T::Scalar::splat(single::multiply::<T>(form, rows, target))
     }
 
     #[inline(always)]
@@ -421,6 +396,6 @@ impl<T: Vector> Shape for Single<T> {
     ) -> [T::Scalar; 2] {
         assert!(second.kind() == SecondKind::Hessians, "factors are those of one form");
         let [form, other] = forms;
-        [Self::multiply_form(form, rows[0], &[], second), Self::multiply_form(other, rows[1], &[], second)]
+        [Self::multiply_form(form, rows[0], second), Self::multiply_form(other, rows[1], second)]
     }
 }

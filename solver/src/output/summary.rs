@@ -31,7 +31,7 @@ pub struct Summary {
     /// Increments whose rounds of augmentation were over before the gaps were within the tolerance.
     #[serde(default)]
     pub augmentations_short: usize,
-    /// Contacts that carried force and ended an increment without an element or behind their masters, over all increments.
+    /// Contacts that carried force and ended an increment without an element, and slaves that went through their masters in one.
     #[serde(default)]
     pub contacts_lost: usize,
     /// Points of loaded faces that carried no force although they had a gap, over all increments.
@@ -169,8 +169,8 @@ impl Summary {
             ),
             (
                 self.contacts_lost,
-                "contacts that carried force were lost: their elements have no result, contact_status is 4 there, or they went through the \
-                 master; shorter increments or a stiffer penalty help"
+                "contacts were lost: slaves went through the master, or carried force and their elements have no result, contact_status is 4 \
+                 there; shorter increments or a stiffer penalty help"
                     .to_owned(),
             ),
             (

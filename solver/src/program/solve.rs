@@ -247,7 +247,10 @@ impl Progress {
             say("  warning: the rounds of augmentation are over, the tolerance is not met");
         }
         if record.lost > 0 {
-            say(&format!("  warning: lost {} that carried force", counted(record.lost, "contact")));
+            say(&format!(
+                "  warning: lost {}: slaves went through their masters, or have no element any more",
+                counted(record.lost, "contact")
+            ));
         }
         for (interface, slaves) in &record.vanished {
             let interface = shown(interface);

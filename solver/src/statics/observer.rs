@@ -106,7 +106,7 @@ pub struct IncrementRecord {
     pub is_short: bool,
     /// Contacts that carry force.
     pub active: usize,
-    /// Contacts that carried force in it or right before it, and ended without an element or behind their masters.
+    /// Contacts that carried force in it or right before it and ended without an element, and slaves that went through their masters.
     pub lost: usize,
     /// Interfaces whose force vanished in it although slaves that carried it have not risen from their masters, and how many these are.
     pub vanished: Vec<(String, usize)>,

@@ -1,4 +1,4 @@
-//! Elements side by side: of the nodes, one after another, the varying rows and the own block; then room for a block of each node.
+//! Elements side by side: of the nodes, one after another, the rows and the own block; then room for a block of each node.
 
 use super::*;
 
@@ -14,7 +14,7 @@ pub fn length(rows: FormRows) -> usize {
 
 #[inline(always)]
 const fn node_length(rows: FormRows) -> usize {
-    3 * rows.varying + OWN
+    3 * rows.rows + OWN
 }
 
 #[inline(always)]
@@ -24,7 +24,7 @@ pub fn keep_row<T: Lane>(form: &mut [T], rows: FormRows, row: usize, node: usize
 
 #[inline(always)]
 pub fn keep_own<T: Lane>(form: &mut [T], rows: FormRows, node: usize, own: [T; 6]) {
-    write(own, form, node_length(rows) * node + 3 * rows.varying);
+    write(own, form, node_length(rows) * node + 3 * rows.rows);
 }
 
 /// Writes the Hessian, from the last row to the first: then the sum of a node's blocks with later ones is known when its own are, and the
@@ -33,21 +33,15 @@ pub fn keep_own<T: Lane>(form: &mut [T], rows: FormRows, node: usize, own: [T; 6
 /// Returns 0 or, if an entry is not finite, NaN.
 #[inline(always)]
 #[must_use]
-pub fn multiply<T: Vector>(
-    form: &mut [T],
-    rows: FormRows,
-    constant: &[[T; 3]],
-    target: &mut impl Blocks<T>,
-) -> T {
-    let all_nodes = products([[T::ZERO; 3]; 3], [constant; 2], [constant; 2]);
+pub fn multiply<T: Vector>(form: &mut [T], rows: FormRows, target: &mut impl Blocks<T>) -> T {
     let mut hessian = Unfinished::new(form, rows);
     let of_b = hessian.nodes;
-    hessian.write_rows(all_nodes, of_b, rows.count, target);
+    hessian.write_rows(of_b, rows.count, target);
     hessian.end(target)
 }
 
 /// Writes two Hessians: the second has the rows b of the first, its own rows c, and a last node that the first does not have, whose
-/// rows b are zero. Neither has constant rows. (Blocks of the first and of the second by turns took longer.)
+/// rows b are zero. (Blocks of the first and of the second by turns took longer.)
 ///
 /// Returns of each 0 or, if an entry is not finite, NaN.
 #[inline(always)]
@@ -57,10 +51,9 @@ pub fn multiply_pair<T: Vector>(
     [rows, other_rows]: [FormRows; 2],
     [target, other_target]: [&mut impl Blocks<T>; 2],
 ) -> [T; 2] {
-    let zero = [[T::ZERO; 3]; 3];
     let mut hessian = Unfinished::new(form, rows);
     let of_b = hessian.nodes;
-    hessian.write_rows(zero, of_b, rows.count, target);
+    hessian.write_rows(of_b, rows.count, target);
     let first = hessian.end(target);
 
     let mut other = Unfinished::new(other, other_rows);
@@ -70,8 +63,8 @@ pub fn multiply_pair<T: Vector>(
         let block = products_of_c(point, other.row(of_b, column));
         other.write_block(column, &block, &mut with_slave, other_target);
     }
-    other.end_row(rows.count, zero, zero, with_slave, other_target);
-    other.write_rows(zero, of_b, rows.count, other_target);
+    other.end_row(rows.count, [[T::ZERO; 3]; 3], with_slave, other_target);
+    other.write_rows(of_b, rows.count, other_target);
     [first, other.end(other_target)]
 }
 
@@ -98,10 +91,10 @@ impl<'a, T: Vector> Unfinished<'a, T> {
         Self { rows, nodes, sums, slave: [[T::ZERO; 3]; 3], not_finite: T::ZERO }
     }
 
-    /// The varying rows of a node in a form of as many.
+    /// The rows of a node in a form of as many.
     #[inline(always)]
     fn row<'b>(&self, form: &'b [T], node: usize) -> &'b [[T; 3]] {
-        form[node_length(self.rows) * node..][..3 * self.rows.varying].as_chunks::<3>().0
+        form[node_length(self.rows) * node..][..3 * self.rows.rows].as_chunks::<3>().0
     }
 
     /// Goes on to the rows of a node. Returns its block with the slave, as far as it is known.
@@ -112,18 +105,18 @@ impl<'a, T: Vector> Unfinished<'a, T> {
         [[-sum[0], -sum[1], -sum[2]], [-sum[3], -sum[4], -sum[5]], [-sum[6], -sum[7], -sum[8]]]
     }
 
-    /// Writes the rows of the first `count` nodes. `of_b`: the form whose rows b they have. `all_nodes`: what every block begins with.
+    /// Writes the rows of the first `count` nodes. `of_b`: the form whose rows b they have.
     #[inline(always)]
-    fn write_rows(&mut self, all_nodes: [[T; 3]; 3], of_b: &[T], count: usize, target: &mut impl Blocks<T>) {
+    fn write_rows(&mut self, of_b: &[T], count: usize, target: &mut impl Blocks<T>) {
         let of_c = self.nodes;
         for node in (0..count).rev() {
             let row = [self.row(of_b, node), self.row(of_c, node)];
             let mut with_slave = self.begin(node, target);
             for column in 0..node {
-                let block = products(all_nodes, row, [self.row(of_b, column), self.row(of_c, column)]);
+                let block = products(row, [self.row(of_b, column), self.row(of_c, column)]);
                 self.write_block(column, &block, &mut with_slave, target);
             }
-            self.end_row(node, all_nodes, half_products(row), with_slave, target);
+            self.end_row(node, half_products(row), with_slave, target);
         }
     }
 
@@ -150,17 +143,16 @@ impl<'a, T: Vector> Unfinished<'a, T> {
     fn end_row(
         &mut self,
         node: usize,
-        all_nodes: [[T; 3]; 3],
         half: [[T; 3]; 3],
         mut with_slave: [[T; 3]; 3],
         target: &mut impl Blocks<T>,
     ) {
-        let own = &self.nodes[node_length(self.rows) * node + 3 * self.rows.varying..][..OWN];
+        let own = &self.nodes[node_length(self.rows) * node + 3 * self.rows.rows..][..OWN];
         let own = [[own[0], own[1], own[3]], [own[1], own[2], own[4]], [own[3], own[4], own[5]]];
         let mut diagonal = [[T::ZERO; 3]; 3];
         for i in 0..3 {
             for j in 0..=i {
-                let entry = half[i][j] + (all_nodes[i][j] + own[i][j]);
+                let entry = half[i][j] + own[i][j];
                 diagonal[i][j] = entry;
                 with_slave[i][j] = with_slave[i][j] - entry;
                 if i != j {
@@ -191,15 +183,15 @@ impl<'a, T: Vector> Unfinished<'a, T> {
 /// Writes the factors. Returns 0 or, if one is not finite, NaN.
 #[inline(always)]
 #[must_use]
-pub fn write_factors<T: Lane>(form: &[T], rows: FormRows, constant: &[[T; 3]], target: &mut [T]) -> T {
-    let (size, own) = (node_length(rows), 3 * rows.varying);
+pub fn write_factors<T: Lane>(form: &[T], rows: FormRows, target: &mut [T]) -> T {
+    let (size, own) = (node_length(rows), 3 * rows.rows);
     let mut not_finite = T::ZERO;
     for node in 0..rows.count {
         let form = &form[size * node..][..size];
         let target = &mut target[rows.node_factors() * node..][..rows.node_factors()];
-        for row in 0..rows.varying {
+        for row in 0..rows.rows {
             for axis in 0..3 {
-                target[rows.varying * axis + row] = form[3 * row + axis];
+                target[rows.rows * axis + row] = form[3 * row + axis];
             }
             let sum = form[3 * row] + form[3 * row + 1] + form[3 * row + 2];
             not_finite = sum.mul_add(T::ZERO, not_finite);
@@ -208,12 +200,6 @@ pub fn write_factors<T: Lane>(form: &[T], rows: FormRows, constant: &[[T; 3]], t
         write([block[0], block[1], block[2], block[3], block[4], block[5]], target, own);
         let sum = block[0] + block[1] + block[2] + block[3] + block[4] + block[5];
         not_finite = sum.mul_add(T::ZERO, not_finite);
-    }
-    for row in 0..constant.len() {
-        for axis in 0..3 {
-            target[rows.node_factors() * rows.count + rows.constant * axis + row] = constant[row][axis];
-            not_finite = constant[row][axis].mul_add(T::ZERO, not_finite);
-        }
     }
     not_finite
 }
@@ -225,22 +211,16 @@ pub fn write_factors<T: Lane>(form: &[T], rows: FormRows, constant: &[[T; 3]], t
 /// If a slice is too short, or there are more than 64 rows.
 #[inline(always)]
 #[must_use]
-pub fn write_slave_rows<T: Lane>(form: &[T], rows: FormRows, constant: &[[T; 3]], target: &mut [T]) -> T {
-    let (size, own, freedoms) = (node_length(rows), 3 * rows.varying, 3 * (rows.count + 1));
+pub fn write_slave_rows<T: Lane>(form: &[T], rows: FormRows, target: &mut [T]) -> T {
+    let (size, own, freedoms) = (node_length(rows), 3 * rows.rows, 3 * (rows.count + 1));
     let mut negative_sums = [[T::ZERO; 3]; MOST_ROWS];
-    let negative_sums = &mut negative_sums[..rows.varying];
+    let negative_sums = &mut negative_sums[..rows.rows];
     for node in 0..rows.count {
         let of_node = form[size * node..][..own].as_chunks::<3>().0;
-        for row in 0..rows.varying {
+        for row in 0..rows.rows {
             for axis in 0..3 {
                 negative_sums[row][axis] = negative_sums[row][axis] - of_node[row][axis];
             }
-        }
-    }
-    let mut start = products([[T::ZERO; 3]; 3], [constant; 2], [constant; 2]);
-    for i in 0..3 {
-        for j in 0..3 {
-            start[i][j] = T::splat(-(rows.count as f64)) * start[i][j];
         }
     }
     let mut slave = [[T::ZERO; 3]; 3];
@@ -250,7 +230,7 @@ pub fn write_slave_rows<T: Lane>(form: &[T], rows: FormRows, constant: &[[T; 3]]
         let (of_node, block) = (form[..own].as_chunks::<3>().0, &form[own..own + OWN]);
         let block =
             [[block[0], block[1], block[3]], [block[1], block[2], block[4]], [block[3], block[4], block[5]]];
-        let sums = products(start, [&*negative_sums; 2], [of_node; 2]);
+        let sums = products([&*negative_sums; 2], [of_node; 2]);
         for i in 0..3 {
             let entries = [sums[i][0] - block[i][0], sums[i][1] - block[i][1], sums[i][2] - block[i][2]];
             for j in 0..3 {
@@ -267,10 +247,10 @@ pub fn write_slave_rows<T: Lane>(form: &[T], rows: FormRows, constant: &[[T; 3]]
     not_finite
 }
 
-/// start + Σ cᵀb + bᵀc, the rows b and c of both nodes among those of any form.
+/// Σ cᵀb + bᵀc, the rows b and c of both nodes among those of any form.
 #[inline(always)]
-fn products<T: Lane>(start: [[T; 3]; 3], row: [&[[T; 3]]; 2], column: [&[[T; 3]]; 2]) -> [[T; 3]; 3] {
-    let mut block = start;
+fn products<T: Lane>(row: [&[[T; 3]]; 2], column: [&[[T; 3]]; 2]) -> [[T; 3]; 3] {
+    let mut block = [[T::ZERO; 3]; 3];
     let ([row_b, row_c], [column_b, column_c]) = (pairs(row), pairs(column));
     for k in 0..row_b.len().min(row_c.len()).min(column_b.len().min(column_c.len())) {
         let ([b, _], [_, c]) = (&row_b[k], &row_c[k]);

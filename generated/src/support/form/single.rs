@@ -9,7 +9,7 @@ const _: () = assert!(OWN <= FormRows::OWN);
 
 #[inline(always)]
 pub fn length<T: Vector>(rows: FormRows) -> usize {
-    (3 * rows.all() + OWN) * (stride::<T>(rows) / 3)
+    (3 * rows.rows + OWN) * (stride::<T>(rows) / 3)
 }
 
 /// Numbers in a row: for full vectors of nodes, and for the slave.
@@ -27,7 +27,7 @@ pub fn keep_row<T: Vector>(form: &mut [f64], rows: FormRows, row: usize, vector:
 #[inline(always)]
 pub fn keep_own<T: Vector>(form: &mut [f64], rows: FormRows, vector: usize, own: [T; 6]) {
     let [xx, yx, yy, zx, zy, zz] = own;
-    let nodes = &mut form[stride::<T>(rows) * rows.all()..].as_chunks_mut::<OWN>().0[1 + T::WIDTH * vector..];
+    let nodes = &mut form[stride::<T>(rows) * rows.rows..].as_chunks_mut::<OWN>().0[1 + T::WIDTH * vector..];
     let nodes = &mut nodes[..T::WIDTH];
     for (axis, row) in [[xx, yx, zx], [yx, yy, zy], [zx, zy, zz]].into_iter().enumerate() {
         let [x, y, z] = row;
@@ -46,7 +46,7 @@ pub fn keep_last_row<T: Vector>(form: &mut [f64], rows: FormRows, row: usize, va
 #[inline(always)]
 pub fn keep_last_own<T: Vector>(form: &mut [f64], rows: FormRows, own: [T::Scalar; 6]) {
     let [xx, yx, yy, zx, zy, zz] = own;
-    let start = stride::<T>(rows) * rows.all() + OWN * rows.count;
+    let start = stride::<T>(rows) * rows.rows + OWN * rows.count;
     for (axis, row) in [[xx, yx, zx], [yx, yy, zy], [zx, zy, zz]].into_iter().enumerate() {
         let [x, y, z] = row;
         write([x.lane(0), y.lane(0), z.lane(0), 0.0], form, start + 4 * axis);
@@ -56,17 +56,12 @@ pub fn keep_last_own<T: Vector>(form: &mut [f64], rows: FormRows, own: [T::Scala
 /// Returns 0 or, if an entry is not finite, NaN.
 #[inline(always)]
 #[must_use]
-pub fn multiply<T: Vector>(
-    form: &mut [f64],
-    rows: FormRows,
-    constant: &[[T::Scalar; 3]],
-    target: &mut [f64],
-) -> f64 {
+pub fn multiply<T: Vector>(form: &mut [f64], rows: FormRows, target: &mut [f64]) -> f64 {
     const { assert!(T::WIDTH <= 4) };
     let mut not_finite = T::ZERO;
     let stride = stride::<T>(rows);
-    let (form, own) = form.split_at_mut(stride * rows.all());
-    complete::<T>(form, rows, constant);
+    let (form, own) = form.split_at_mut(stride * rows.rows);
+    complete::<T>(form, rows);
     for node in 1..=rows.count {
         let mut end = 3 * node + 3;
         let strip = Strip { form, own, stride, node };
@@ -113,28 +108,13 @@ pub fn multiply<T: Vector>(
     not_finite.sum()
 }
 
-/// The numbers of vectors of one lane.
+/// Fills in the slave's part of all rows.
 #[inline(always)]
-fn numbers<E: Vector>([x, y, z]: &[E; 3]) -> [f64; 3] {
-    [x.lane(0), y.lane(0), z.lane(0)]
-}
-
-/// Fills in the slave's part of all rows, and those that are the same for all nodes.
-#[inline(always)]
-fn complete<T: Vector>(form: &mut [f64], rows: FormRows, constant: &[[T::Scalar; 3]]) {
+fn complete<T: Vector>(form: &mut [f64], rows: FormRows) {
     let stride = stride::<T>(rows);
-    for row in 0..rows.varying {
+    for row in 0..rows.rows {
         let (slave, nodes) = form[stride * row..][..3 * (rows.count + 1)].split_at_mut(3);
         write(negative_sum::<T>(nodes), slave, 0);
-    }
-    for row in 0..constant.len() {
-        let values = numbers(&constant[row]);
-        for node in 1..stride / 3 {
-            write(values, form, stride * (rows.varying + row) + 3 * node);
-        }
-        let times = -(rows.count as f64);
-        let slave = [times * values[0], times * values[1], times * values[2]];
-        write(slave, form, stride * (rows.varying + row));
     }
 }
 
@@ -144,15 +124,10 @@ fn complete<T: Vector>(form: &mut [f64], rows: FormRows, constant: &[[T::Scalar;
 /// If a slice is too short.
 #[inline(always)]
 #[must_use]
-pub fn write_slave_rows<T: Vector>(
-    form: &mut [f64],
-    rows: FormRows,
-    constant: &[[T::Scalar; 3]],
-    target: &mut [f64],
-) -> f64 {
+pub fn write_slave_rows<T: Vector>(form: &mut [f64], rows: FormRows, target: &mut [f64]) -> f64 {
     let (stride, freedoms) = (stride::<T>(rows), 3 * (rows.count + 1));
-    let (form, own) = form.split_at_mut(stride * rows.all());
-    complete::<T>(form, rows, constant);
+    let (form, own) = form.split_at_mut(stride * rows.rows);
+    complete::<T>(form, rows);
     let mut vector = 0;
     while vector < freedoms {
         // The last vector writes some entries once more.
@@ -210,30 +185,19 @@ fn negative_sum<T: Vector>(nodes: &[f64]) -> [f64; 3] {
 /// Writes the factors. Returns 0 or, if one is not finite, NaN.
 #[inline(always)]
 #[must_use]
-pub fn write_factors<T: Vector>(
-    form: &[f64],
-    rows: FormRows,
-    constant: &[[T::Scalar; 3]],
-    target: &mut [f64],
-) -> f64 {
+pub fn write_factors<T: Vector>(form: &[f64], rows: FormRows, target: &mut [f64]) -> f64 {
     let stride = stride::<T>(rows);
-    let (form, own) = form.split_at(stride * rows.all());
+    let (form, own) = form.split_at(stride * rows.rows);
     for node in 0..rows.count {
         let target = &mut target[rows.node_factors() * node..][..rows.node_factors()];
-        for row in 0..rows.varying {
+        for row in 0..rows.rows {
             for axis in 0..3 {
-                target[rows.varying * axis + row] = form[stride * row + 3 * (node + 1) + axis];
+                target[rows.rows * axis + row] = form[stride * row + 3 * (node + 1) + axis];
             }
         }
         let own = &own[OWN * (node + 1)..][..OWN];
         for (k, place) in [0, 4, 5, 8, 9, 10].into_iter().enumerate() {
-            target[3 * rows.varying + k] = own[place];
-        }
-    }
-    for row in 0..constant.len() {
-        let values = numbers(&constant[row]);
-        for axis in 0..3 {
-            target[rows.node_factors() * rows.count + rows.constant * axis + row] = values[axis];
+            target[3 * rows.rows + k] = own[place];
         }
     }
     let mut not_finite = 0.0;

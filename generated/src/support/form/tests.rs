@@ -21,7 +21,6 @@ impl Case {
         if node == 0 {
             return -(1..=self.rows.count).map(|node| self.entry(row, node, axis)).sum::<f64>();
         }
-        let node = if row < self.rows.varying { node } else { 1 };
         let is_c = row % 2 == 1;
         if self.has_point && node == self.rows.count && !is_c {
             return 0.0;
@@ -39,7 +38,7 @@ impl Case {
 
     fn expected(&self, row: usize, column: usize) -> f64 {
         let [(i, a), (j, b)] = [row, column].map(|k| (k / 3, k % 3));
-        let products: f64 = (0..self.rows.all())
+        let products: f64 = (0..self.rows.rows)
             .step_by(2)
             .map(|k| {
                 self.entry(k + 1, i, a) * self.entry(k, j, b) + self.entry(k, i, a) * self.entry(k + 1, j, b)
@@ -65,16 +64,15 @@ impl Case {
         }
     }
 
-    /// Of each node the rows by axes and its own block, then the constant rows.
+    /// Of each node the rows by axes and its own block.
     fn check_factors(&self, factors: &[f64], sum: f64) {
         assert_eq!(sum.is_nan(), self.infinite.is_some(), "{:?}: {:?}", self.rows, self.infinite);
-        let FormRows { varying, constant, count } = self.rows;
-        let rows = |from: usize, length: usize, node: usize| {
-            (0..3).flat_map(move |axis| (from..from + length).map(move |row| self.entry(row, node, axis)))
-        };
-        let nodes = (1..=count)
-            .flat_map(|node| rows(0, varying, node).chain(LOWER.map(|(i, j)| self.own(node, i, j))));
-        let expected: Vec<f64> = nodes.chain(rows(varying, constant, 1)).collect();
+        let FormRows { rows, count } = self.rows;
+        let of_node =
+            |node: usize| (0..3).flat_map(move |axis| (0..rows).map(move |row| self.entry(row, node, axis)));
+        let nodes =
+            (1..=count).flat_map(|node| of_node(node).chain(LOWER.map(|(i, j)| self.own(node, i, j))));
+        let expected: Vec<f64> = nodes.collect();
         assert_eq!(factors, expected, "{:?}", self.rows);
     }
 
@@ -90,11 +88,6 @@ impl Case {
         assert!(found[3 * freedoms..].iter().all(|x| x.is_nan()), "beyond the end");
     }
 
-    fn constant<E: Lane>(&self) -> Vec<[E; 3]> {
-        let rows = self.rows.varying..self.rows.all();
-        rows.map(|row| [0, 1, 2].map(|axis| E::splat(self.entry(row, 1, axis)))).collect()
-    }
-
     /// The same for elements side by side, of which another case says which block is infinite. NaN where nothing is kept: rows b of
     /// the second of a pair, which are the first's.
     fn form<'b, T: Vector>(
@@ -107,7 +100,7 @@ impl Case {
         let form = &mut Block::vectors::<T>(blocks)[..length];
         form.fill(T::splat(f64::NAN));
         for node in 0..self.rows.count {
-            for row in (0..self.rows.varying).filter(|row| !self.has_point || row % 2 == 1) {
+            for row in (0..self.rows.rows).filter(|row| !self.has_point || row % 2 == 1) {
                 let values = [0, 1, 2].map(|axis| T::splat(self.entry(row, node + 1, axis)));
                 batch::keep_row(form, self.rows, row, node, values);
             }
@@ -138,21 +131,20 @@ impl WithLanes for Nodes<'_> {
         let mut form = vec![f64::NAN; single::length::<T>(rows)];
         for vector in 0..rows.count.div_ceil(T::WIDTH) {
             let node = |lane: usize| 1 + (T::WIDTH * vector + lane).min(rows.count - 1);
-            for row in 0..rows.varying {
+            for row in 0..rows.rows {
                 let values = [0, 1, 2].map(|axis| T::from_fn(|lane| case.entry(row, node(lane), axis)));
                 single::keep_row(&mut form, rows, row, vector, values);
             }
             single::keep_own(&mut form, rows, vector, case.own_of::<T>(node));
         }
         let mut factors = vec![f64::NAN; rows.factors()];
-        let sum = single::write_factors::<T>(&form, rows, &case.constant::<T::Scalar>(), &mut factors);
+        let sum = single::write_factors::<T>(&form, rows, &mut factors);
         case.check_factors(&factors, sum);
-        let constant = case.constant::<T::Scalar>();
         let mut slave_rows = vec![f64::NAN; rows.slave_rows() + 1];
-        let sum = single::write_slave_rows::<T>(&mut form, rows, &constant, &mut slave_rows);
+        let sum = single::write_slave_rows::<T>(&mut form, rows, &mut slave_rows);
         case.check_slave_rows(&slave_rows, sum);
         let mut hessian = vec![f64::NAN; size + 1];
-        let sum = single::multiply::<T>(&mut form, rows, &constant, &mut hessian[..size]);
+        let sum = single::multiply::<T>(&mut form, rows, &mut hessian[..size]);
         case.check(&hessian, sum, &format!("nodes side by side, {}", T::WIDTH));
         assert!(hessian[size].is_nan(), "beyond the end");
     }
@@ -175,20 +167,20 @@ impl WithLanes for Elements<'_> {
             let mut blocks = Vec::new();
             let form = case.form::<T>(&mut blocks, case_of);
             let mut factors = vec![T::ZERO; rows.factors()];
-            let sum = batch::write_factors(form, rows, &case.constant(), &mut factors);
+            let sum = batch::write_factors(form, rows, &mut factors);
             for lane in 0..T::WIDTH {
                 let factors: Vec<f64> = factors.iter().map(|x| x.lane(lane)).collect();
                 case_of(lane).check_factors(&factors, sum.lane(lane));
             }
             let mut slave_rows = vec![T::splat(f64::NAN); rows.slave_rows() + 1];
-            let sum = batch::write_slave_rows(form, rows, &case.constant(), &mut slave_rows);
+            let sum = batch::write_slave_rows(form, rows, &mut slave_rows);
             for lane in 0..T::WIDTH {
                 let found: Vec<f64> = slave_rows.iter().map(|x| x.lane(lane)).collect();
                 case_of(lane).check_slave_rows(&found, sum.lane(lane));
             }
             let mut packed = vec![T::splat(f64::NAN); size];
             let target = &mut Packed { target: &mut packed, node: 0 };
-            let sum = batch::multiply(form, rows, &case.constant(), target);
+            let sum = batch::multiply(form, rows, target);
             for lane in 0..T::WIDTH {
                 let hessian: Vec<f64> = packed.iter().map(|x| x.lane(lane)).collect();
                 case_of(lane).check(&hessian, sum.lane(lane), "elements side by side, packed");
@@ -197,7 +189,7 @@ impl WithLanes for Elements<'_> {
             let mut spread = Spread::default();
             spread.set(rows.count, (0..T::WIDTH).map(|_| (rows.count, &[][..])));
             let mut placed = spread.hessians(&mut hessians, |hessian| &mut hessian[..size]).next(rows.count);
-            let sum = batch::multiply(form, rows, &case.constant(), &mut placed);
+            let sum = batch::multiply(form, rows, &mut placed);
             for (lane, hessian) in hessians.iter().enumerate() {
                 let what = format!("elements side by side, {lane} of {}", T::WIDTH);
                 case_of(lane).check(hessian, sum.lane(lane), &what);
@@ -269,10 +261,10 @@ fn check_all_widths(isa: Isa, case: &Case) {
 #[test]
 fn the_products_of_rows_are_the_hessian() {
     for isa in Isa::available() {
-        for (varying, constant) in [(12, 0), (16, 2), (2, 0), (0, 2)] {
+        for rows in [12, 16, 2, 0] {
             // All remainders of all widths, and many vectors.
             for count in (1..=17).chain([32, 33]) {
-                let rows = FormRows { varying, constant, count };
+                let rows = FormRows { rows, count };
                 check_all_widths(isa, &Case { rows, infinite: None, has_point: false });
             }
         }
@@ -285,7 +277,7 @@ fn no_entry_that_is_not_finite_goes_unnoticed() {
         for count in 1..=9 {
             for node in 1..=count {
                 for (row, column) in LOWER {
-                    let rows = FormRows { varying: 4, constant: 2, count };
+                    let rows = FormRows { rows: 6, count };
                     let infinite = Some((node, row, column));
                     check_all_widths(isa, &Case { rows, infinite, has_point: false });
                 }
@@ -297,7 +289,7 @@ fn no_entry_that_is_not_finite_goes_unnoticed() {
 #[test]
 fn two_hessians_with_the_same_rows_b_are_those_of_their_rows() {
     let case = |count: usize, infinite: Option<(usize, usize, usize)>, has_point: bool| {
-        let rows = FormRows { varying: 12, constant: 0, count };
+        let rows = FormRows { rows: 12, count };
         Case { rows, infinite, has_point }
     };
     for isa in Isa::available() {

@@ -308,14 +308,12 @@ integration = "{integration}"
 "#
         )
     };
-    for integration in ["faces", "nodes"] {
-        let time = "[time]\nincrement = 1.0\nminimum = 0.4";
-        let (notes, end, _) = attempt(&deck("-3.0", integration), time, Notes::default());
-        let through = |text: &str| text.contains("Through") || text.contains("Inverted");
-        assert!(notes.cuts.len() == 1 && through(&notes.reasons[0]), "{integration}: {:?}", notes.reasons);
-        // Where no increment may be shorter it is counted and told.
-        assert!(end.is_err() || notes.increments[0].lost == 25, "{integration}");
-    }
+    let time = "[time]\nincrement = 1.0\nminimum = 0.4";
+    let (notes, _, _) = run(&deck("-3.0", "faces"), time);
+    assert!(notes.cuts.len() == 1 && notes.reasons[0].contains("Through"), "{:?}", notes.reasons);
+    // Where no increment may be shorter it is counted and told.
+    assert_eq!(notes.increments[0].lost, 25);
+    fail(&deck("-3.0", "nodes"), time);
     // Sides that are flush: nodes leave the border as the block bulges.
     let (_, error, _) = fail(&deck("-0.2", "nodes"), "[time]\nincrement = 0.25\nminimum = 0.1");
     let text = error.to_string();

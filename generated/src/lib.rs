@@ -17,9 +17,10 @@
 //!
 //! # What is emitted
 //!
-//! Per weight and basis, for {coefficients, surface, gap} × {value, gradient, hessian}, and for the gap with a co-moving frame:
+//! Per weight and basis, for {coefficients, surface, gap} × {value, gradient, hessian}, and for the gap with a co-moving frame
+//! and with domains in the first configuration, with the feature `friction` for gap and slip:
 //!
-//! * `gap_hessian::<E, T, S: Shape<Element = E, Node = T>>(inputs, scratch, gradients, hessians)`: the kernel, once for any n, any
+//! * `gap_hessian::<E, T, S: Shape<Element = E, Node = T>>(inputs, scratch, gradients, second)`: the kernel, once for any n, any
 //!   number type and any layout of elements and nodes in vectors;
 //! * `GapHessian: GapKernel`: the same as a type, which [`support`] runs;
 //! * `KernelSet`: all of it for `f64` behind one trait, compiled in this crate. The kernels themselves are private.

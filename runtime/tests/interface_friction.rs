@@ -214,7 +214,7 @@ fn assert_tangent(pressed: &mut Pressed, is_symmetric: bool) {
     let error = largest(&errors) / largest(&product);
     assert!(error < 1e-7, "{error:e}");
     let pairs = (0..matrix.len()).flat_map(|p| (0..p).map(move |q| (p, q)));
-    let turned = pairs.map(|(p, q)| (matrix[p][q] - matrix[q][p]).abs()).fold(0.0, f64::max);
+    let turned = pairs.map(|(p, q)| (matrix[p][q] - matrix[q][p]).abs()).fold(0.0, crate::common::worse);
     assert_eq!(turned < 1e-9, is_symmetric, "{turned:e}");
 }
 

@@ -268,9 +268,10 @@ fn confirmed_by_ad(element: &PairedElement, contact: &ContactRef<'_>) {
     if distance(expected.foot, contact.point.foot) > 1e-6 * size {
         return;
     }
-    let largest = |x: &[f64]| x.iter().map(|x| x.abs()).fold(0.0, f64::max);
+    let largest = |x: &[f64]| x.iter().map(|x| x.abs()).fold(0.0, crate::common::worse);
     let difference = |x: &[f64], y: &[f64]| {
-        x.iter().zip(y).map(|(x, y)| (x - y).abs()).fold(0.0, f64::max) / largest(y).max(f64::MIN_POSITIVE)
+        x.iter().zip(y).map(|(x, y)| (x - y).abs()).fold(0.0, crate::common::worse)
+            / largest(y).max(f64::MIN_POSITIVE)
     };
     let gap = (contact.point.gap - expected.gap).abs() / size;
     let n = difference(contact.gradient, &expected.gradient);

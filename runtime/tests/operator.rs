@@ -51,7 +51,8 @@ fn check(scene: &mut Scene, law: &ContactLaw<'_>, dofs: &DofMap, what: &str) {
     let mut found = vec![0.0; v.len()];
     operator.add_product(&v, &mut found).unwrap();
     let largest = |x: &[f64]| x.iter().fold(0.0_f64, |largest, x| largest.max(x.abs()));
-    let worst = |x: &[f64], y: &[f64]| x.iter().zip(y).map(|(x, y)| (x - y).abs()).fold(0.0, f64::max);
+    let worst =
+        |x: &[f64], y: &[f64]| x.iter().zip(y).map(|(x, y)| (x - y).abs()).fold(0.0, crate::common::worse);
     let error = worst(&found, &expected) / largest(&sizes);
     assert!(error < TOLERANCE, "{what}: {error:e}");
     // The same again, added.

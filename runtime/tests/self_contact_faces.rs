@@ -196,7 +196,7 @@ fn no_side_has_a_role() {
         let reversed: Vec<Point> = positions.iter().rev().copied().collect();
         let (one, other) = (at(&mesh, &positions), at(&backward, &reversed));
         for (one, other) in one.iter().zip(other.iter().rev()) {
-            let error = (0..3).map(|axis| (one[axis] - other[axis]).abs()).fold(0.0, f64::max);
+            let error = (0..3).map(|axis| (one[axis] - other[axis]).abs()).fold(0.0, crate::common::worse);
             assert!(error < 1e-9, "{one:?} {other:?}");
         }
     }

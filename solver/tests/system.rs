@@ -88,7 +88,11 @@ fn error(matrix: &BlockMatrix, prescribed: &[[bool; 3]], x: &[[f64; 3]]) -> f64 
         .solve(&DVector::from_iterator(free.len(), free.iter().map(|&i| b[i / 3][i % 3])))
         .unwrap();
     let held = (0..3 * x.len()).filter(|i| !free.contains(i)).map(|i| x[i / 3][i % 3].abs());
-    free.iter().zip(&expected).map(|(&i, e)| (x[i / 3][i % 3] - e).abs()).chain(held).fold(0.0, f64::max)
+    free.iter()
+        .zip(&expected)
+        .map(|(&i, e)| (x[i / 3][i % 3] - e).abs())
+        .chain(held)
+        .fold(0.0, crate::common::worse)
 }
 
 #[test]

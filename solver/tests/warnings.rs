@@ -164,6 +164,17 @@ fn overlap_at_the_start_is_told() {
         assert_eq!((found.slaves, found.paired, found.deep), (12, 12, deep), "{found:?}");
         assert!((found.overlap - overlap).abs() < 1e-12, "{found:?}");
     }
+    // Over faces nothing is looked for so deep, and nothing touches.
+    let faces = PRESSED.replacen("penalty = 500.0", "penalty = 500.0\nintegration = \"faces\"", 1);
+    let (notes, summary) = run(&scratch, &faces.replace("0.5, 0.05]", "0.5, -3.0]"), false, Some(1));
+    assert_eq!((notes.beginnings[0].paired, notes.beginnings[0].behind), (0, 12));
+    assert!(
+        summary.warnings.iter().any(|warning| warning.contains("behind it and deeper")),
+        "{:?}",
+        summary.warnings
+    );
+    let (notes, _) = run(&scratch, &faces, false, Some(1));
+    assert!(notes.beginnings.iter().all(|one| one.behind == 0), "{:?}", notes.beginnings);
     // A part of the block is beside the floor.
     let beside = beginnings("1.3, 0.05]");
     assert_eq!((beside[0].slaves, beside[0].paired), (12, 8), "{beside:?}");

@@ -27,5 +27,5 @@ pub use shape::EmittedKernel;
 pub(crate) use shape::{Combined, ShapeHead, emit_shape, kept_name};
 
 /// Largest number of statements of an emitted function: rustc runs out of stack when it writes full debug information for
-/// several thousand `let`s. It still does so for the longest kernels, of about 4,000.
+/// several thousand `let`s. The longest kernels have about 4,000, which it compiles.
 pub const MOST_STATEMENTS: usize = 5_000;

@@ -1,7 +1,7 @@
 //! The expression graph: a hash-consed arena of scalar expressions with `u32` ids.
 //!
 //! Promises:
-//! * Equal expressions have equal ids, also when products are associated differently (see [`Graph::mul`]).
+//! * Equal expressions have equal ids, also when products of up to 16 factors are associated differently (see [`Graph::mul`]).
 //! * Ids grow from operands to results, so ascending order is a topological order.
 //! * Every expression knows its [`Scope`]: one value per element, per node, or per pair of nodes. A
 //!   [`Op::Sum`] over the nodes turns a node expression into an element expression.

@@ -6,8 +6,8 @@ use crate::model::{Differentiated, ElementKernels, Input, Returned, Role, Signat
 /// Derivatives of an element's outputs by name, in the layout of [`element_results`](super::element_results), whose arguments these are:
 /// `gradient`, `hessian`, Jacobians.
 ///
-/// They come from the expressions of the outputs, evaluated in [`Expansion`]s, and from no derivative that the graph has: a mistake in
-/// the rules of differentiation does not show here.
+/// They come from the expressions of the outputs, evaluated in [`Expansion`]s: a mistake in the rules of differentiation does not show here.
+/// Only the equations of unknowns that make a function stationary are derivatives of the graph's.
 ///
 /// # Panics
 /// If there is a number too few or too many.

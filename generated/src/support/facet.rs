@@ -22,7 +22,7 @@ pub struct FacetFigures {
     pub jacobian_determinant: f64,
 }
 
-// Comparisons below are written so that a NaN fails them.
+// A NaN fails the comparisons below, or the last of them.
 impl FacetFigures {
     /// Whether results are numbers to use, of which it is known whether all are finite.
     #[must_use]
@@ -48,6 +48,6 @@ impl FacetFigures {
         if determinant < 0.0 {
             return Status::CentreOfCurvature { determinant };
         }
-        if are_finite { Status::Ok } else { Status::NotFinite }
+        if are_finite && !(determinant + self.foot_area).is_nan() { Status::Ok } else { Status::NotFinite }
     }
 }

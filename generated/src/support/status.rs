@@ -58,7 +58,7 @@ pub enum Status {
     NotFinite,
 }
 
-// Comparisons below are written so that a NaN fails them.
+// A NaN fails the comparisons below, or the checksum.
 impl Status {
     /// A matrix whose factorisation broke down before it had a pivot to report has none: 0.
     fn singular_fit(pivot_ratio: f64) -> Self {

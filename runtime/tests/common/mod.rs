@@ -151,3 +151,8 @@ impl Scene {
 pub fn distance(a: Point, b: Point) -> f64 {
     (Vector3::from(a) - Vector3::from(b)).norm()
 }
+
+/// The larger of two errors; NaN if one is.
+pub fn worse(x: f64, y: f64) -> f64 {
+    if x.is_nan() || x > y { x } else { y }
+}

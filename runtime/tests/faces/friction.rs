@@ -159,7 +159,7 @@ fn the_tangent_of_gauss_and_newton_does_not_depend_on_the_mode() {
     // Kernels with and without second derivatives are different code, whose roundings are their own.
     let largest = long.values().iter().fold(0.0, |largest: f64, value| largest.max(value.abs()));
     let differences = short.values().iter().zip(long.values()).map(|(short, long)| (short - long).abs());
-    assert!(largest > 0.0 && differences.fold(0.0, f64::max) <= 1e-14 * largest);
+    assert!(largest > 0.0 && differences.fold(0.0, crate::common::worse) <= 1e-14 * largest);
 }
 
 /// Slaves slide at a limit that no pressure raises.

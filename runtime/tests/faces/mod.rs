@@ -417,7 +417,7 @@ fn points_lie_on_the_slaves_own_smooth_surface() {
         assert_eq!(interface.straight(), 0);
         interface.refresh(&pair.positions).unwrap();
         let contacts = interface.evaluate(&ContactLaw::penalty(1.0), Mode::Value).unwrap();
-        contacts.nodes().iter().map(|node| node.gap.abs()).fold(0.0, f64::max)
+        contacts.nodes().iter().map(|node| node.gap.abs()).fold(0.0, crate::common::worse)
     };
     let (smooth, flat) = (worst(ContactElement::default()), worst(ContactElement::NodeToFacet));
     // h²/8R is 4e-3 for faces of 0.4.

@@ -1,9 +1,12 @@
 //! How the slaves of an interaction lie before the first increment.
 
+use diffuse_contact::Point;
+use diffuse_contact::interface::Outcome;
 use diffuse_contact_mesh::names::shown;
 use serde::{Deserialize, Serialize};
 
 use super::proposal::{crossed_planes, idle_planes, symmetry_line};
+use super::tracks::all_behind;
 use super::{Fallbacks, Interaction};
 use crate::model::Model;
 use crate::statics::Problem;
@@ -28,6 +31,9 @@ pub struct Beginning {
     pub overlap: f64,
     /// Slaves that are deeper below the master than a tenth of their facets' size; those that nothing moves are the deck's and left out.
     pub deep: usize,
+    /// Slaves behind the master, deeper than masters are looked for, if all are there but for those beside it.
+    #[serde(default)]
+    pub behind: usize,
     /// Slaves whose masters do not carry the fit that was asked for.
     #[serde(flatten)]
     pub fallbacks: Fallbacks,
@@ -43,6 +49,17 @@ pub struct Beginning {
     /// Those that its surfaces lie on both sides of.
     #[serde(default)]
     pub crossed_planes: Vec<String>,
+}
+
+/// Of the first pass; 0 where a slave has contact.
+fn behind(interaction: &Interaction, positions: &[Point]) -> usize {
+    let Some(pass) = interaction.passes().next().filter(|_| !interaction.options().self_contact) else {
+        return 0;
+    };
+    let outcomes = pass.outcomes();
+    let is_paired = outcomes.iter().any(|(_, outcome)| matches!(outcome, Outcome::Contact { .. }));
+    let slaves: Vec<usize> = outcomes.into_iter().map(|(node, _)| node).collect();
+    if is_paired { 0 } else { all_behind(&slaves, pass.master(), positions) }
 }
 
 impl Beginning {
@@ -70,6 +87,7 @@ impl Beginning {
             paired: interaction.slaves().filter(|slave| slave.gap.is_some()).count(),
             overlap: interaction.max_penetration(),
             deep: deep.count(),
+            behind: behind(interaction, problem.start_positions()),
             fallbacks: interaction.fallbacks(),
             straight: interaction.straight(),
             symmetry: symmetry_line(interaction, problem, &model.deformable()),
@@ -94,7 +112,9 @@ impl Beginning {
     /// What may be wrong with the start, in sentences.
     #[must_use]
     pub fn warnings(&self) -> Vec<String> {
-        let Self { interface, slaves, deep, fallbacks, straight, idle_planes, crossed_planes, .. } = self;
+        let Self {
+            interface, slaves, deep, fallbacks, straight, behind, idle_planes, crossed_planes, ..
+        } = self;
         let mut warnings = Vec::new();
         let mut warn = |count: &usize, what: &str| {
             if *count > 0 {
@@ -105,6 +125,11 @@ impl Beginning {
             deep,
             "slaves start deeper below the master than a tenth of their facets' size: do the parts overlap, or does the master face \
              the wrong way?",
+        );
+        warn(
+            behind,
+            "slaves, all that are not beside the master, lie behind it and deeper than it is looked for, so that nothing touches: do the \
+             parts overlap, or does the master face the wrong way?",
         );
         warn(
             straight,

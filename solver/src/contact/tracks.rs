@@ -96,6 +96,23 @@ impl<'a> Tracks<'a> {
     }
 }
 
+/// How many slaves lie behind the master at these positions, if all of them do but for those that lie beside it.
+pub fn all_behind(slaves: &[usize], master: &MasterSurface, positions: &[Point]) -> usize {
+    let Ok(index) = master.at(positions) else { return 0 };
+    let mut count = 0;
+    for &node in slaves {
+        let Some(closest) = index.closest(positions[node]).filter(|closest| !closest.on_border) else {
+            continue;
+        };
+        let (height, _) = Plane::of(&master.facet(closest.facet), positions).split(positions[node]);
+        if !(height < 0.0) {
+            return 0;
+        }
+        count += 1;
+    }
+    count
+}
+
 /// That of a facet.
 #[derive(Clone, Copy, Debug)]
 struct Plane {

@@ -224,3 +224,8 @@ pub fn numbers(seed: u64) -> impl FnMut() -> f64 {
         (state >> 11) as f64 / (1_u64 << 52) as f64 - 1.0
     }
 }
+
+/// The larger of two errors; NaN if one is.
+pub fn worse(x: f64, y: f64) -> f64 {
+    if x.is_nan() || x > y { x } else { y }
+}

@@ -228,8 +228,8 @@ impl Isa {
         self.run_four_beside::<W, W>(code)
     }
 
-    /// [`run_vectors`](Self::run_vectors) with code that is compiled in the module of `P`: what a function becomes for many types is
-    /// compiled in one piece, what a type's method becomes in the piece of the type's module, and pieces are compiled side by side.
+    /// [`run_vectors`](Self::run_vectors) with code that rustc puts into the part of the crate that the module of `P` is in. All that a
+    /// function becomes for many types is in one part, which takes long to compile; methods of types are where their types are.
     #[inline]
     pub(super) fn run_vectors_beside<P, W: WithLanes>(self, code: W) -> Result<W::Output, W> {
         match self.0 {

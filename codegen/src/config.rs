@@ -330,8 +330,8 @@ impl Config {
     ///
     /// # Errors
     /// [`ConfigError::SupportPath`], [`ConfigError::DuplicateWeight`], [`ConfigError::WeightTooLong`],
-    /// [`ConfigError::DuplicateElement`], [`ConfigError::DuplicateTest`], [`ConfigError::UnknownElement`], [`ConfigError::Element`] of an element that is too long, or of
-    /// numbers that it cannot be tested with.
+    /// [`ConfigError::DuplicateElement`], [`ConfigError::DuplicateTest`], [`ConfigError::UnknownElement`], [`ConfigError::Element`] of an
+    /// element that is too long, or of numbers that it cannot be tested with.
     pub fn source(&self) -> Result<String, ConfigError> {
         self.source_for(true)
     }

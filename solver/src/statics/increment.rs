@@ -27,7 +27,7 @@ pub struct Increment<'a> {
     settings: &'a Settings,
     committed: &'a State,
     end: f64,
-    /// Whether it may end without contacts that carried force: a shorter one would not be tried.
+    /// Whether it may end with lost contacts: a shorter one would not be tried.
     is_shortest: bool,
     positions: Vec<[f64; 3]>,
     history: Vec<IterationRecord>,
@@ -167,8 +167,8 @@ impl<'a> Increment<'a> {
         Way { from: &self.committed.positions, to: &self.positions }
     }
 
-    /// Equilibrium without a contact that carried force on the way is another one: a shorter increment may keep the contact, unless
-    /// it went with the pairing or there is none.
+    /// Equilibrium without a contact that carried force on the way, or with a slave that went through, is another one: a shorter increment
+    /// may keep the contact, unless it went with the pairing or there is none.
     fn check_losses(&self) -> Result<(), Failure> {
         if self.is_shortest {
             return Ok(());

@@ -27,7 +27,7 @@
 //!
 //! **Cut-back**: an increment that does not converge within its iterations, diverges, turns an element inside out in spite of
 //! halved steps, goes where contact cannot be evaluated, or ends without contacts that carried force since their elements have no
-//! result or their slaves went through the master, starts again with a fraction of its length; nothing of the failed try is kept. Lost
+//! result, or with slaves that went through the master, starts again with a fraction of its length; nothing of the failed try is kept. Lost
 //! contacts are accepted where there is no shorter increment, and counted. Below the smallest length the run ends with [`StaticsError::NoConvergence`]: all increments before it are valid.
 
 mod convergence;

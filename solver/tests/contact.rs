@@ -209,7 +209,7 @@ fn multipliers_taken_out_and_put_back_change_nothing() {
 #[test]
 fn multipliers_of_other_surfaces_are_refused() {
     let (mut set, _) = contacts(options(false, true));
-    let wrong = |found, expected| Err(ContactError::OtherPasses { found, expected });
+    let wrong = |found, expected| Err(ContactError::OtherPasses { what: "multipliers", found, expected });
     assert_eq!(set.set_multipliers(&[vec![], vec![]]), wrong(2, 1));
     assert_eq!(set.set_multipliers(&[vec![0.0; 3]]), wrong(3, 16));
 }
@@ -330,7 +330,10 @@ fn a_contact_that_vanishes_under_load_is_lost_and_one_that_opens_is_not() {
     assert!(
         lost(&set, &beyond).is_empty() && set.interactions()[0].slaves().all(|slave| slave.gap.is_none())
     );
-    assert_eq!(set.begin(&[vec![16]]), Err(ContactError::OtherPasses { found: 17, expected: 16 }));
+    assert_eq!(
+        set.begin(&[vec![16]]),
+        Err(ContactError::OtherPasses { what: "loaded slaves", found: 17, expected: 16 })
+    );
 }
 
 /// Who has nothing over it went through the master, beyond its border, or opened: only the first is a loss, and an opening is no warning.

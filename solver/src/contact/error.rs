@@ -60,9 +60,11 @@ pub enum ContactError {
         /// Its name.
         interface: String,
     },
-    /// Multipliers of another problem.
-    #[error("there are multipliers for {found} passes or slaves; this problem has {expected}")]
+    /// History of another problem.
+    #[error("there are {what} for {found} passes or slaves; this problem has {expected}")]
     OtherPasses {
+        /// `"multipliers"`, `"histories of friction"` or `"loaded slaves"`.
+        what: &'static str,
         /// How many there are.
         found: usize,
         /// How many belong here.

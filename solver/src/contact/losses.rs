@@ -67,7 +67,8 @@ impl Losses {
     /// [`ContactError::OtherPasses`] if there is no such slave.
     pub fn begin(&mut self, slaves: usize, loaded: &[u32]) -> Result<(), ContactError> {
         if let Some(&last) = loaded.iter().max().filter(|&&last| last as usize >= slaves) {
-            return Err(ContactError::OtherPasses { found: last as usize + 1, expected: slaves });
+            let found = last as usize + 1;
+            return Err(ContactError::OtherPasses { what: "loaded slaves", found, expected: slaves });
         }
         self.before.clear();
         self.before.resize(slaves, false);

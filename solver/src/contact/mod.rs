@@ -223,7 +223,7 @@ impl ContactSet {
     /// # Errors
     /// [`ContactError::OtherPasses`] and [`ContactError::Interface`] if it belongs to other interactions.
     pub fn set_friction_history(&mut self, history: &[FrictionHistory]) -> Result<(), ContactError> {
-        self.for_each_with(history, Interaction::set_friction_history)
+        self.for_each_with("histories of friction", history, Interaction::set_friction_history)
     }
 
     /// Measures friction as in the increment that led to this history, so that slaves that slid at its end slide on; whether there was
@@ -275,7 +275,7 @@ impl ContactSet {
     /// # Errors
     /// [`ContactError::OtherPasses`] if they belong to other interactions.
     pub fn begin(&mut self, loaded: &[Vec<u32>]) -> Result<(), ContactError> {
-        self.for_each_with(loaded, Interaction::begin)
+        self.for_each_with("loaded slaves", loaded, Interaction::begin)
     }
 
     /// Notes which contacts carry force at the last evaluation.
@@ -341,7 +341,7 @@ impl ContactSet {
     /// # Errors
     /// [`ContactError::OtherPasses`] if they belong to other interactions.
     pub fn set_multipliers(&mut self, multipliers: &[Vec<f64>]) -> Result<(), ContactError> {
-        self.for_each_with(multipliers, Interaction::set_multipliers)
+        self.for_each_with("multipliers", multipliers, Interaction::set_multipliers)
     }
 
     /// Whether nodes couple that did not when this was asked last: the stiffness then needs another pattern.
@@ -358,12 +358,13 @@ impl ContactSet {
     /// Hands each interaction what belongs to its passes.
     fn for_each_with<T>(
         &mut self,
+        what: &'static str,
         of_passes: &[T],
         set: impl Fn(&mut Interaction, &[T]) -> Result<(), ContactError>,
     ) -> Result<(), ContactError> {
-        let expected = self.pass_count();
-        if of_passes.len() != expected {
-            return Err(ContactError::OtherPasses { found: of_passes.len(), expected });
+        let (found, expected) = (of_passes.len(), self.pass_count());
+        if found != expected {
+            return Err(ContactError::OtherPasses { what, found, expected });
         }
         let mut rest = of_passes;
         for interaction in &mut self.interactions {

@@ -49,8 +49,21 @@ impl DeckError {
 #[non_exhaustive]
 pub enum Problem {
     /// A coefficient of friction that is none.
-    #[error("{0}")]
-    Coefficient(FrictionError),
+    #[error("{field}: {error}")]
+    Coefficient {
+        /// The field.
+        field: String,
+        /// Why.
+        error: FrictionError,
+    },
+    /// A list of numbers that do not ascend.
+    #[error("{field}: numbers must ascend, but number {} is not larger than the one before", index + 1)]
+    Descending {
+        /// The field.
+        field: String,
+        /// The number, from 0.
+        index: usize,
+    },
     /// Not TOML.
     #[error("not valid TOML: {message}")]
     Syntax {

@@ -215,45 +215,77 @@ fn friction(field: &Field) -> Result<Friction, DeckError> {
 }
 
 fn constant(field: &Field) -> Result<Coefficient, DeckError> {
-    Ok(Coefficient::Constant(field.number_in("at least 0", |value| value >= 0.0)?))
+    Ok(Coefficient::Constant(at_least_0(field)?))
+}
+
+fn at_least_0(field: &Field) -> Result<f64, DeckError> {
+    field.number_in("at least 0", |value| value >= 0.0)
 }
 
 /// A number, what it decays from and to, or a table of pressures and slip rates.
 fn coefficient(field: &Field) -> Result<Coefficient, DeckError> {
     let Ok(section) = field.section() else { return constant(field) };
     let section = section.expect(schema::COEFFICIENT)?;
-    let refused = |error| field.error(Problem::Coefficient(error));
+    let refused = |error| field.error(Problem::Coefficient { field: field.name().into(), error });
     if section.get("values").is_none() {
         section.refuse(&["pressures", "rates"], "without values")?;
-        let number = |name| section.need(name)?.number();
+        let number = |name| at_least_0(&section.need(name)?);
         let law = DecayingCoefficient::new(number("static")?, number("kinetic")?, number("decay")?);
         return Ok(Coefficient::Decaying(law.map_err(refused)?));
     }
     section.refuse(&["static", "kinetic", "decay"], "beside values")?;
-    let axis = |name: &str| section.get(name).map_or(Ok(vec![0.0]), |field| numbers(&field));
+    let axis = |name: &str| section.get(name).map_or(Ok(vec![0.0]), |field| ascending(&field));
     let (pressures, rates) = (axis("pressures")?, axis("rates")?);
-    let values = section.need("values")?;
-    let rows = values.list("a list of numbers, or of one row for each pressure")?;
-    let values = match rows.first() {
-        Some(row) if row.is_list() => {
-            let mut all = Vec::new();
-            for row in &rows {
-                let row_values = numbers(row)?;
-                if row_values.len() != rates.len() {
-                    return Err(row.wrong_type(format!("{} numbers, one for each rate", rates.len())));
-                }
-                all.extend(row_values);
-            }
-            all
-        }
-        _ => numbers(&values)?,
-    };
+    let values = coefficients(&section.need("values")?, pressures.len(), rates.len())?;
     let law = TabulatedCoefficient::new(&pressures, &rates, &values).map_err(refused)?;
     Ok(Coefficient::Tabulated(Arc::new(law)))
 }
 
-fn numbers(field: &Field) -> Result<Vec<f64>, DeckError> {
-    field.list("a list of numbers")?.iter().map(Field::number).collect()
+/// A row of coefficients for each pressure, of one for each rate. Without rows all of them one after another.
+fn coefficients(values: &Field, pressures: usize, rates: usize) -> Result<Vec<f64>, DeckError> {
+    let of_rates = format!("{rates} numbers, one for each rate");
+    let of_pressures = |what: &str| format!("{pressures} {what}, one for each pressure");
+    let rows = values.list("a list of numbers, or of one row for each pressure")?;
+    if !rows.first().is_some_and(Field::is_list) {
+        if rows.len() == pressures * rates {
+            return rows.iter().map(at_least_0).collect();
+        }
+        return Err(values.wrong_type(match (pressures, rates) {
+            (1, _) => of_rates,
+            (_, 1) => of_pressures("numbers"),
+            _ => of_pressures("rows"),
+        }));
+    }
+    if rows.len() != pressures {
+        return Err(values.wrong_type(of_pressures("rows")));
+    }
+    let mut all = Vec::new();
+    for row in &rows {
+        let row_values = row.list("a list of numbers")?;
+        if row_values.len() != rates {
+            return Err(row.wrong_type(of_rates));
+        }
+        for value in &row_values {
+            all.push(at_least_0(value)?);
+        }
+    }
+    Ok(all)
+}
+
+/// At least one number, each larger than the one before.
+fn ascending(field: &Field) -> Result<Vec<f64>, DeckError> {
+    let list = field.list("a list of numbers")?;
+    if list.is_empty() {
+        return Err(field.wrong_type("a list of at least one number"));
+    }
+    let numbers: Vec<f64> = list.iter().map(Field::number).collect::<Result<_, _>>()?;
+    match numbers.windows(2).position(|pair| !(pair[0] < pair[1])) {
+        Some(before) => {
+            let (field_name, index) = (field.name().into(), before + 1);
+            Err(field.error(Problem::Descending { field: field_name, index }))
+        }
+        None => Ok(numbers),
+    }
 }
 
 /// `"nodes"` or `"faces"`, or a table with the degree of the faces' rule.

@@ -160,6 +160,35 @@ fn wrong_types_and_ranges_say_what_was_found() {
 }
 
 #[test]
+fn coefficients_of_friction_are_refused_by_their_field_and_place() {
+    let with = |coefficient: &str, expected: &str| {
+        let friction = format!("penalty = 1e5\nfriction = {{ coefficient = {{ {coefficient} }} }}");
+        refused("penalty = 1e5", &friction, &format!("interface[1].friction.coefficient{expected}"));
+    };
+    with("static = 0.3, kinetic = 0.2, decay = -1", ".decay must be at least 0, not -1");
+    with("static = -0.3, kinetic = 0.2, decay = 1", ".static must be at least 0, not -0.3");
+    with("static = 0.3, kinetic = inf, decay = 1", ".kinetic must be");
+    with(
+        "pressures = [0, 10], values = [0.1]",
+        ".values must be 2 numbers, one for each pressure, not a list of 1",
+    );
+    with("rates = [0, 1], values = [0.1]", ".values must be 2 numbers, one for each rate, not a list of 1");
+    with(
+        "pressures = [0, 10, 10], values = [0.1, 0.2, 0.3]",
+        ".pressures: numbers must ascend, but number 3 is not",
+    );
+    with("rates = [1, 0], values = [0.1, 0.2]", ".rates: numbers must ascend, but number 2 is not");
+    with("rates = [0, nan], values = [0.1, 0.2]", ".rates[2] must be");
+    with("rates = [0, 1], values = [0.1, -0.2]", ".values[2] must be at least 0, not -0.2");
+    with("pressures = [], values = []", ".pressures must be a list of at least one number");
+    let rows = "pressures = [0, 1], rates = [0, 1], values =";
+    with(&format!("{rows} [[0.1, 0.2], [0.1, -0.2]]"), ".values[2][2] must be at least 0, not -0.2");
+    with(&format!("{rows} [[0.1, 0.2]]"), ".values must be 2 rows, one for each pressure, not a list of 1");
+    with(&format!("{rows} [[0.1, 0.2], [0.1]]"), ".values[2] must be 2 numbers, one for each rate");
+    with(&format!("{rows} [0.1, 0.2, 0.3]"), ".values must be 2 rows, one for each pressure");
+}
+
+#[test]
 fn fields_that_do_not_go_together_are_refused() {
     refused(
         "yield_stress = 400.0\n",

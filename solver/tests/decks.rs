@@ -86,6 +86,16 @@ pub fn assert_same_results(one: &Path, other: &Path) {
     assert_eq!(summaries[0], summaries[1]);
 }
 
+/// Makes a state one of an earlier version, which says nothing of its deck.
+pub fn forget_deck(directory: &Path) {
+    let path = directory.join("state.json");
+    let mut state: serde_json::Value = serde_json::from_str(&fs::read_to_string(&path).unwrap()).unwrap();
+    let fields = state.as_object_mut().unwrap();
+    fields.remove("checksum");
+    fields.remove("deck");
+    fs::write(&path, state.to_string()).unwrap();
+}
+
 pub fn summary(directory: &Path) -> serde_json::Value {
     serde_json::from_str(&fs::read_to_string(directory.join("summary.json")).unwrap()).unwrap()
 }

@@ -22,6 +22,8 @@ mod proposals;
 #[cfg(feature = "program")]
 mod report;
 #[cfg(feature = "program")]
+mod restart;
+#[cfg(feature = "program")]
 #[path = "../../program/tests/runs.rs"]
 mod runs;
 mod self_contact;

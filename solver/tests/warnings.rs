@@ -1,10 +1,11 @@
 //! What a run warns of.
 
+use std::collections::BTreeSet;
 use std::fs;
 use std::path::PathBuf;
 
 use diffuse_contact_solver::contact::{Beginning, Fallbacks};
-use diffuse_contact_solver::output::{Summary, Watcher, names};
+use diffuse_contact_solver::output::{Summary, Watcher, names, read_history};
 use diffuse_contact_solver::report::SurfaceSample;
 use diffuse_contact_solver::solve::{SolveOptions, solve};
 use diffuse_contact_solver::statics::{Control, Failure, IncrementRecord, IterationRecord};
@@ -222,6 +223,83 @@ fn slaves_with_more_layers_than_asked_for_are_told() {
     assert!(linear == 0 && (1..12).contains(&extended), "{extended}");
     let sentence = format!("interface `floor`: {extended} of 12 slaves have more layers");
     assert!(summary.warnings.iter().any(|warning| warning.starts_with(&sentence)), "{:?}", summary.warnings);
+}
+
+/// Then both press, and whoever meant one has twice its stiffness.
+#[test]
+fn one_pair_of_surfaces_under_two_names_is_told() {
+    let scratch = Scratch::new("repeated");
+    let twice = PRESSED.replace("master = \"cellar\"", "master = \"floor\"");
+    for deck in [&twice, &twice.replacen("penalty = 500.0", "penalty = 500.0\nexchange = true", 1)] {
+        let (notes, summary) = run(&scratch, deck, false, Some(1));
+        let sentence = "interface `cellar`: its two surfaces are those of the interface `floor`";
+        let told = |warnings: &[String]| warnings.iter().filter(|one| one.starts_with(sentence)).count();
+        assert_eq!(told(&summary.warnings), 1, "{:?}", summary.warnings);
+        let at_start: Vec<String> = notes.beginnings.iter().flat_map(Beginning::warnings).collect();
+        assert_eq!(told(&at_start), 1, "{at_start:?}");
+    }
+    let (_, summary) = run(&scratch, PRESSED, false, Some(1));
+    assert!(!summary.warnings.iter().any(|one| one.contains("two surfaces")), "{:?}", summary.warnings);
+}
+
+/// A comma in a name is an underscore in those of columns, where another interface may have one.
+#[test]
+fn interfaces_of_like_names_have_columns_of_their_own() {
+    let scratch = Scratch::new("columns");
+    let deck = PRESSED
+        .replace("name = \"floor\"", "name = \"a,b\"")
+        .replace("name = \"cellar\"", "name = \"a_b\"")
+        .replace("penalty = 500.0", "penalty = 500.0\nintegration = \"faces\"\nfriction = 0.2");
+    let (_, summary) = run(&scratch, &deck, false, Some(2));
+    let history = read_history(&scratch.0.join("out").join(names::HISTORY)).unwrap();
+    let distinct: BTreeSet<&String> = history.columns.iter().collect();
+    assert_eq!(distinct.len(), history.columns.len(), "{:?}", history.columns);
+    let held = |name: &str| summary.friction[name].stuck + summary.friction[name].sliding;
+    assert!(held("a,b") > 0 && held("a_b") == 0, "{:?}", summary.friction);
+}
+
+/// Forces of a stiff body far around are rounded by more than is allowed.
+#[test]
+fn equilibrium_by_the_rounding_of_positions_is_told() {
+    let scratch = Scratch::new("rounded");
+    let stiff = format!(
+        "{PRESSED}\n{}",
+        r#"
+[newton]
+tolerance = 1e-14
+absolute = 1e-6
+
+[materials.hard]
+young = 1e13
+poisson = 0.3
+
+[parts.tool]
+shape = "box"
+origin = [10.0, 0.0, 0.0]
+size = [1.0, 1.0, 1.0]
+divisions = [2, 2, 2]
+material = "hard"
+
+[[boundary]]
+nodes = "tool.z-"
+rotate = { axis = [1.0, 0.2, 0.3], point = [10.0, 0.0, 0.0], degrees = 40.0 }
+"#
+    );
+    let (_, summary) = run(&scratch, &stiff, false, Some(2));
+    let table = |name: &str| read_history(&scratch.0.join("out").join(name)).unwrap();
+    let (history, iterations) = (table(names::HISTORY), table(names::ITERATIONS));
+    for row in &history.rows {
+        assert_eq!(history.value(row, "rounded"), 1.0, "{row:?}");
+        let last = iterations.rows.iter().rfind(|other| other.increment == row.increment).unwrap();
+        let [residual, allowed, excess] =
+            ["residual", "allowed", "excess"].map(|column| iterations.value(last, column));
+        assert!(residual > allowed && allowed >= excess && allowed > 0.0, "{last:?}");
+    }
+    let told =
+        |summary: &Summary| summary.warnings.iter().any(|one| one.contains("rounding of the positions"));
+    assert!(told(&summary), "{:?}", summary.warnings);
+    let (_, soft) = run(&scratch, PRESSED, false, Some(2));
+    assert!(!told(&soft), "{:?}", soft.warnings);
 }
 
 /// A run that was killed while it wrote leaves files behind that belong to nobody.

@@ -1,6 +1,6 @@
 //! From a deck to a model: parts are made, names become nodes and facets.
 
-use std::collections::{BTreeMap, BTreeSet, HashMap, HashSet};
+use std::collections::{BTreeMap, BTreeSet, HashSet};
 use std::path::Path;
 
 use diffuse_contact::surface::Facet;
@@ -8,6 +8,7 @@ use diffuse_contact_mesh::names::nearest;
 
 use super::error::{DeckError, Problem};
 use super::{Boundary, Deck, Interface, PartEntry, PartSource, Reference};
+use crate::distinct::distinct;
 use crate::model::{
     Amplitude, Conflict, Model, ModelError, Part, Support, Supports, read_rigid_part, read_solid_part,
 };
@@ -159,8 +160,12 @@ impl Deck {
     pub fn facets(&self, model: &Model, names: &[Reference]) -> Result<Vec<Facet>, DeckError> {
         let (mut facets, mut known) = (Vec::new(), HashSet::new());
         for name in names {
-            if let Some(&inner) = model.inner_facets.get(&name.name) {
-                let count = inner + model.surfaces.get(&name.name).map_or(0, Vec::len);
+            // A surface of this very name is meant, whatever others are like.
+            let others =
+                |name: &str| alike(&model.inner_facets, name).filter(|_| !model.surfaces.contains_key(name));
+            if let Some(&inner) = model.inner_facets.get(&name.name).or_else(|| others(&name.name)) {
+                let on_skin = model.surfaces.get(&name.name).or_else(|| alike(&model.surfaces, &name.name));
+                let count = inner + on_skin.map_or(0, Vec::len);
                 let problem = Problem::InnerFacets { name: name.name.clone(), inner, count };
                 return Err(self.error(name.line, problem));
             }
@@ -247,20 +252,11 @@ fn nearest_name<'a>(name: &str, among: impl Iterator<Item = &'a str> + Clone) ->
 
 /// What the boundaries are called in results: by their node sets, and by a number where those are the same.
 fn support_names(boundaries: &[Boundary]) -> Vec<String> {
-    let (mut names, mut known, mut numbers) = (Vec::new(), HashSet::new(), HashMap::new());
-    for boundary in boundaries {
+    let joined = |boundary: &Boundary| {
         let sets: Vec<&str> = boundary.nodes.iter().map(|name| name.name.as_str()).collect();
-        let sets = sets.join("+");
-        let mut name = sets.clone();
-        // Goes on where the last of this name ended.
-        let number = numbers.entry(sets.clone()).or_insert(1);
-        while !known.insert(name.clone()) {
-            *number += 1;
-            name = format!("{sets} ({number})");
-        }
-        names.push(name);
-    }
-    names
+        sets.join("+")
+    };
+    distinct(boundaries.iter().map(joined))
 }
 
 fn nodes_of(facets: &[Facet]) -> BTreeSet<usize> {

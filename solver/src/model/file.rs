@@ -6,7 +6,7 @@ use std::path::Path;
 use diffuse_contact::surface::Facet;
 use diffuse_contact_mesh::{self as mesh, Mesh};
 
-use super::{Cells, ModelError, Part};
+use super::{Cells, ModelError, Part, sorted};
 
 /// A deformable part: the solids of an element set, or of the whole file, and of the file's sets and surfaces what lies on
 /// them. A surface of shell elements counts if it lies on the part's skin, and is turned outward. `instance`: which one of an
@@ -52,8 +52,9 @@ pub fn read_solid_part(
     let elements = solids.renumbered(|node| part.number[node]);
     // A facet of the file that lies on the skin is taken as the skin has it.
     let outward: BTreeMap<Vec<usize>, Facet> =
-        elements.skin().into_iter().map(|facet| (sorted(&facet), facet)).collect();
-    let (surfaces, inner_facets) = part.surfaces(&mesh, |facet| outward.get(&sorted(&facet)).copied());
+        elements.skin().into_iter().map(|facet| (sorted(facet.corners()), facet)).collect();
+    let (surfaces, inner_facets) =
+        part.surfaces(&mesh, |facet| outward.get(&sorted(facet.corners())).copied());
     Ok(Part { elements, labels, surfaces, inner_facets, ..part.into_part(&mesh) })
 }
 
@@ -67,9 +68,10 @@ pub fn read_rigid_part(path: &Path, instance: Option<&str>, surface: &str) -> Re
     let chosen = mesh.facets(surface)?;
     let part = Subset::new(&mesh, chosen.iter().flat_map(mesh::Facet::nodes).copied());
     let facets: Vec<Facet> = chosen.iter().filter_map(|facet| part.facet(facet)).collect();
-    let own: BTreeMap<Vec<usize>, Facet> = facets.iter().map(|&facet| (sorted(&facet), facet)).collect();
+    let own: BTreeMap<Vec<usize>, Facet> =
+        facets.iter().map(|&facet| (sorted(facet.corners()), facet)).collect();
     // Facets between its nodes that are none of its own belong to other surfaces.
-    let (surfaces, _) = part.surfaces(&mesh, |facet| own.get(&sorted(&facet)).copied());
+    let (surfaces, _) = part.surfaces(&mesh, |facet| own.get(&sorted(facet.corners())).copied());
     Ok(Part { facets, surfaces, ..part.into_part(&mesh) })
 }
 
@@ -147,10 +149,4 @@ impl Subset {
         let nodes = self.nodes.iter().map(|&node| mesh.nodes()[node]).collect();
         Part { nodes, node_sets, ..Part::default() }
     }
-}
-
-fn sorted(facet: &Facet) -> Vec<usize> {
-    let mut corners = facet.corners().to_vec();
-    corners.sort_unstable();
-    corners
 }

@@ -176,7 +176,8 @@ impl Model {
     }
 }
 
-fn sorted(nodes: &[usize]) -> Vec<usize> {
+/// The same nodes, ascending: a facet without its orientation.
+pub(crate) fn sorted(nodes: &[usize]) -> Vec<usize> {
     let mut nodes = nodes.to_vec();
     nodes.sort_unstable();
     nodes

@@ -70,8 +70,12 @@ impl Directory {
     /// them if this is interrupted does not pass for a run.
     pub fn prepare(&self, deck: &str, overwrite: bool) -> Result<(), OutputError> {
         let holds_results = FILES.iter().any(|name| self.path(name).exists());
-        let holds_other_deck = !holds_results && self.path(names::DECK).exists() && !self.holds_deck(deck);
-        if (holds_other_deck || holds_results && !self.is_begun(deck)) && !overwrite {
+        let path = self.path(names::DECK);
+        if !holds_results && path.exists() && !self.holds_deck(deck) {
+            // No run wrote it: it is the user's own.
+            return Err(OutputError::ForeignDeck { path });
+        }
+        if holds_results && !self.is_begun(deck) && !overwrite {
             let path = self.0.clone();
             let is_restartable = self.path(names::STATE).exists();
             return Err(if is_restartable {

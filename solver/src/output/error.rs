@@ -65,6 +65,15 @@ pub enum OutputError {
         /// The directory.
         path: PathBuf,
     },
+    /// The directory holds a deck that would be replaced by another, and no results that it belongs to.
+    #[error(
+        "{} is another deck than the one to be solved, and belongs to no results: it is not replaced, name another directory",
+        path.display()
+    )]
+    ForeignDeck {
+        /// The deck.
+        path: PathBuf,
+    },
     /// A folder whose files would have to be removed is a link.
     #[error(
         "{} is a link, and files that it leads to are not removed: remove the link or the files, or name another directory",
@@ -93,6 +102,15 @@ pub enum OutputError {
         path: PathBuf,
         /// First line that differs, from 1.
         line: usize,
+    },
+    /// The results are those of the deck beside them as it was before it was changed.
+    #[error(
+        "{} holds results of this deck as it was before it was changed: go on with it as it was, or replace them with --overwrite",
+        path.display()
+    )]
+    ChangedDeck {
+        /// The directory.
+        path: PathBuf,
     },
     /// The results are those of the same deck, but a file that it names has changed.
     #[error(

@@ -11,12 +11,14 @@ use diffuse_contact::interface::FrictionReport;
 
 use super::{FrictionSummary, OutputError};
 use crate::contact::Interaction;
+use crate::distinct::distinct;
 use crate::statics::{IncrementRecord, IterationRecord, Problem};
 
 /// Columns of `history.csv` before those of interactions and supports.
-const COLUMNS: &str = "increment,time,length,iterations,augmentations,short,active,lost,missed,unanchored,supposed,stabilised,linear_iterations,direct_instead,max_penetration,wall_s";
+const COLUMNS: &str = "increment,time,length,iterations,augmentations,short,rounded,active,lost,missed,unanchored,supposed,stabilised,linear_iterations,direct_instead,max_penetration,wall_s";
 /// Columns of `iterations.csv`.
-pub(super) const ITERATION_COLUMNS: &str = "increment,iteration,time,residual,relative,active,step";
+pub(super) const ITERATION_COLUMNS: &str =
+    "increment,iteration,time,residual,relative,excess,allowed,active,step";
 
 /// A table that was read: `history.csv` or `iterations.csv`.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -54,39 +56,40 @@ pub struct HistoryRow {
     pub values: Vec<f64>,
 }
 
-/// The name of an interface or support in those of columns.
-fn column_name(name: &str) -> String {
-    name.replace(|letter: char| letter == ',' || letter == '"' || letter.is_control(), "_")
+/// The names of interfaces, or of supports, in those of columns.
+fn column_names<'a>(names: impl Iterator<Item = &'a String>) -> Vec<String> {
+    let is_left_out = |letter: char| letter == ',' || letter == '"' || letter.is_control();
+    distinct(names.map(|name| name.replace(is_left_out, "_")))
+}
+
+/// Those of the interfaces.
+fn interface_columns(problem: &Problem) -> Vec<String> {
+    column_names(problem.contacts().interactions().iter().map(|interaction| &interaction.options().name))
 }
 
 /// The line of column names.
 pub(super) fn header(problem: &Problem) -> String {
     let mut line = COLUMNS.to_owned();
-    for interaction in with_friction(problem) {
-        let name = column_name(&interaction.options().name);
+    let interfaces = interface_columns(problem);
+    for (_, name) in with_friction(problem, &interfaces) {
         let _ = write!(
             line,
             ",stuck:{name},sliding:{name},unanchored:{name},friction_force:{name},dissipated:{name}"
         );
     }
-    for interaction in problem.contacts().interactions() {
-        let name = column_name(&interaction.options().name);
+    for name in &interfaces {
         let _ = write!(line, ",contact_area:{name},contact_normal_force:{name}");
     }
     let mut vector = |what: &str, name: &str| {
-        let name = column_name(name);
         for axis in ["x", "y", "z"] {
             let _ = write!(line, ",{what}_{axis}:{name}");
         }
     };
-    for interaction in problem.contacts().interactions() {
-        vector("contact_force", &interaction.options().name);
-        vector("contact_moment", &interaction.options().name);
-        vector("contact_centre", &interaction.options().name);
+    for name in &interfaces {
+        ["contact_force", "contact_moment", "contact_centre"].iter().for_each(|what| vector(what, name));
     }
-    for group in problem.supports().groups() {
-        vector("displacement", &group.name);
-        vector("reaction", &group.name);
+    for name in column_names(problem.supports().groups().iter().map(|group| &group.name)) {
+        ["displacement", "reaction"].iter().for_each(|what| vector(what, &name));
     }
     line
 }
@@ -94,13 +97,14 @@ pub(super) fn header(problem: &Problem) -> String {
 /// The line of an increment.
 pub(super) fn row(record: &IncrementRecord, problem: &Problem, wall_s: f64) -> String {
     let mut line = format!(
-        "{},{:?},{:?},{},{},{},{},{},{},{},{},{},{},{},{:?},{:?}",
+        "{},{:?},{:?},{},{},{},{},{},{},{},{},{},{},{},{},{:?},{:?}",
         record.number,
         record.time,
         record.length,
         record.iterations,
         record.augmentations,
         u8::from(record.is_short),
+        u8::from(record.is_rounded()),
         record.active,
         record.lost,
         record.missed,
@@ -136,17 +140,21 @@ pub(super) fn row(record: &IncrementRecord, problem: &Problem, wall_s: f64) -> S
     line
 }
 
-/// The interactions that have columns of friction: numbers of slaves that stick, slide and have no anchor
+/// The interactions that have columns of friction, with their names there: numbers of slaves that stick, slide and have no anchor
 /// yet, and the work of friction so far.
-fn with_friction(problem: &Problem) -> impl Iterator<Item = &Interaction> {
-    problem.contacts().interactions().iter().filter(|interaction| interaction.options().friction.is_some())
+fn with_friction<'a>(
+    problem: &'a Problem,
+    columns: &'a [String],
+) -> impl Iterator<Item = (&'a Interaction, &'a String)> {
+    let all = problem.contacts().interactions().iter().zip(columns);
+    all.filter(|(interaction, _)| interaction.options().friction.is_some())
 }
 
 /// Friction at the end of the last line, of each interaction that has any.
 pub(super) fn last_friction(history: &History, problem: &Problem) -> BTreeMap<String, FrictionSummary> {
-    let of = |interaction: &Interaction| {
+    let columns = interface_columns(problem);
+    let of = |(interaction, column): (&Interaction, &String)| {
         let name = interaction.options().name.clone();
-        let column = column_name(&name);
         let value = |what: &str| {
             history.rows.last().map_or(0.0, |row| history.value(row, &format!("{what}:{column}")))
         };
@@ -159,15 +167,18 @@ pub(super) fn last_friction(history: &History, problem: &Problem) -> BTreeMap<St
         };
         (name, summary)
     };
-    with_friction(problem).map(of).collect()
+    with_friction(problem, &columns).map(of).collect()
 }
 
 /// The lines of an increment's iterations.
 pub(super) fn iteration_rows(number: usize, history: &[IterationRecord]) -> String {
     let mut lines = String::new();
     for record in history {
-        let IterationRecord { time, iteration, residual, relative, active, step, .. } = record;
-        let _ = writeln!(lines, "{number},{iteration},{time:?},{residual:?},{relative:?},{active},{step:?}");
+        let IterationRecord { time, iteration, residual, relative, excess, allowed, active, step } = record;
+        let _ = writeln!(
+            lines,
+            "{number},{iteration},{time:?},{residual:?},{relative:?},{excess:?},{allowed:?},{active},{step:?}"
+        );
     }
     lines
 }

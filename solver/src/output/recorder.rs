@@ -18,8 +18,9 @@ use crate::statics::{
 };
 
 /// Columns of the history whose sums are in the summary.
-const SUMS: [&str; 8] = [
+const SUMS: [&str; 9] = [
     "short",
+    "rounded",
     "lost",
     "missed",
     "unanchored",
@@ -76,7 +77,7 @@ pub trait Watcher: Send {
 /// Writes results to a directory.
 pub struct Recorder<'a> {
     pub(super) directory: Directory,
-    options: RecorderOptions,
+    pub(super) options: RecorderOptions,
     model: &'a Model,
     pub(super) fingerprint: String,
     skin: Skin,
@@ -116,7 +117,8 @@ impl<'a> Recorder<'a> {
     /// Makes the directory, which must not hold results unless `overwrite`, and writes the start.
     ///
     /// # Errors
-    /// [`OutputError::Occupied`], [`OutputError::Remains`], [`OutputError::Linked`], [`OutputError::Write`].
+    /// [`OutputError::ForeignDeck`], [`OutputError::Occupied`], [`OutputError::Remains`], [`OutputError::Linked`],
+    /// [`OutputError::Write`].
     pub fn create(
         options: RecorderOptions,
         model: &'a Model,
@@ -267,6 +269,7 @@ impl<'a> Recorder<'a> {
         summary.max_penetration_ever = self.max_penetration_ever;
         [
             summary.augmentations_short,
+            summary.increments_rounded,
             summary.contacts_lost,
             summary.points_missed,
             summary.slaves_unanchored,
@@ -355,6 +358,7 @@ impl<'a> Recorder<'a> {
         self.max_penetration_ever = self.max_penetration_ever.max(record.max_penetration);
         let own = [
             usize::from(record.is_short),
+            usize::from(record.is_rounded()),
             record.lost,
             record.missed,
             record.unanchored(),

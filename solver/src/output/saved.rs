@@ -21,6 +21,9 @@ pub struct Saved {
     /// Of all the rest; `None` in what an earlier version wrote.
     #[serde(default)]
     checksum: Option<String>,
+    /// Digest of the deck's text; `None` in what an earlier version wrote.
+    #[serde(default)]
+    deck: Option<String>,
     /// [`Model::fingerprint`] of the model.
     model: String,
     /// Name of the vector instructions it was made with; empty in what an earlier version wrote.
@@ -46,6 +49,7 @@ pub struct Saved {
 /// The same while it is written.
 #[derive(Serialize)]
 struct Saving<'a> {
+    deck: String,
     model: &'a str,
     instructions: &'a str,
     state: &'a State,
@@ -60,8 +64,8 @@ impl Recorder<'_> {
     /// The last state in a directory of results of the same deck and the same model. Nothing is changed.
     ///
     /// # Errors
-    /// [`OutputError::NothingToRestart`], [`OutputError::OtherDeck`], [`OutputError::OtherModel`], [`OutputError::Read`],
-    /// [`OutputError::Content`], [`OutputError::Inconsistent`].
+    /// [`OutputError::NothingToRestart`], [`OutputError::OtherDeck`], [`OutputError::ChangedDeck`], [`OutputError::OtherModel`],
+    /// [`OutputError::Read`], [`OutputError::Content`], [`OutputError::Inconsistent`].
     pub fn last_state(
         options: &RecorderOptions,
         model: &Model,
@@ -81,6 +85,10 @@ impl Recorder<'_> {
             let problem =
                 format!("it is not what was written: its checksum is {found}, that of its text {expected}");
             return Err(OutputError::Inconsistent { path, problem });
+        }
+        // Where the results are beside the deck, that is its own copy.
+        if saved.deck.as_ref().is_some_and(|digest| *digest != seal::digest(&options.deck)) {
+            return Err(OutputError::ChangedDeck { path: options.directory.clone() });
         }
         if saved.model != model.fingerprint() {
             return Err(OutputError::OtherModel { path: options.directory.clone() });
@@ -102,6 +110,7 @@ impl Recorder<'_> {
         let Self { fingerprint, state, pending, carried, vanished, fallbacks, beginnings, .. } = self;
         let instructions = instructions();
         let saving = Saving {
+            deck: seal::digest(&self.options.deck),
             model: fingerprint,
             instructions,
             state,

@@ -11,24 +11,25 @@ const DIGITS: usize = 32;
 
 /// The document, a JSON object with fields, with its checksum as the first of them.
 pub fn sealed(document: &str) -> String {
-    format!("{BEGIN}{}\",{}", checksum(document), &document[1..])
+    format!("{BEGIN}{}\",{}", digest(document), &document[1..])
 }
 
 /// What the checksum of a sealed document is, and what it should be, unless they are the same.
 pub fn broken(text: &str) -> Option<[String; 2]> {
     let parts = text.strip_prefix(BEGIN).and_then(|rest| rest.split_at_checked(DIGITS));
     let Some((found, rest)) = parts else {
-        return Some(["none at its beginning".to_owned(), checksum(text)]);
+        return Some(["none at its beginning".to_owned(), digest(text)]);
     };
     let document = format!("{{{}", rest.strip_prefix("\",").unwrap_or(rest));
-    let expected = checksum(&document);
+    let expected = digest(&document);
     (found != expected).then(|| [found.to_owned(), expected])
 }
 
-fn checksum(text: &str) -> String {
-    let mut digest = SipHasher13::new();
-    digest.write(text.as_bytes());
-    format!("{:032x}", digest.finish128().as_u128())
+/// A number of a text, as 32 hexadecimal digits, the same on every machine.
+pub fn digest(text: &str) -> String {
+    let mut hasher = SipHasher13::new();
+    hasher.write(text.as_bytes());
+    format!("{:032x}", hasher.finish128().as_u128())
 }
 
 #[cfg(test)]

@@ -31,6 +31,9 @@ pub struct Summary {
     /// Increments whose rounds of augmentation were over before the gaps were within the tolerance.
     #[serde(default)]
     pub augmentations_short: usize,
+    /// Increments whose last residual is small enough only since rounding of the positions explains the rest.
+    #[serde(default)]
+    pub increments_rounded: usize,
     /// Contacts that carried force and ended an increment without an element, and slaves that went through their masters in one.
     #[serde(default)]
     pub contacts_lost: usize,
@@ -165,6 +168,13 @@ impl Summary {
                 format!(
                     "of {increments} increments ended their rounds of augmentation before the tolerance was met: a stiffer penalty or more \
                      rounds (augmentation.max) help"
+                ),
+            ),
+            (
+                self.increments_rounded,
+                format!(
+                    "of {increments} increments ended with a residual above what the tolerances allow, as rounding of the positions explains \
+                     the rest: a model nearer to the origin, or a part less stiff, has less of it"
                 ),
             ),
             (

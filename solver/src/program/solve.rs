@@ -232,7 +232,7 @@ impl Watcher for Progress {
 /// the positions that makes it larger.
 fn decision(last: &IterationRecord) -> String {
     let IterationRecord { residual, allowed, .. } = last;
-    let why = if residual > allowed { "rounding of positions; " } else { "" };
+    let why = if last.is_rounded() { "rounding of positions; " } else { "" };
     format!("residual {residual:.1e} ({why}allowed {allowed:.1e})")
 }
 

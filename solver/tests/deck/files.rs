@@ -97,6 +97,12 @@ fn surfaces_with_facets_inside_their_part_are_refused() {
         deck("BOTH")
     );
     assert!(deck("WITHIN").contains("1 of the 1 facets of the surface"), "{}", deck("WITHIN"));
+    // By another letter case too.
+    for (name, count) in [("both", 2), ("within", 1)] {
+        let refused = deck(name);
+        let expected = format!("1 of the {count} facets of the surface \"two.{name}\" are not on the skin");
+        assert!(refused.contains(&expected), "{refused}");
+    }
     std::fs::remove_dir_all(&directory).unwrap();
 }
 

@@ -7,7 +7,7 @@ use std::path::Path;
 
 use diffuse_contact::FrictionState;
 use diffuse_contact_mesh::ElementKind;
-use diffuse_contact_solver::contact::Integration;
+use diffuse_contact_solver::contact::{Augmentation, Integration};
 use diffuse_contact_solver::deck::{Contact, Deck};
 use diffuse_contact_solver::output::Fields;
 use diffuse_contact_solver::statics::TimeSettings;
@@ -135,6 +135,18 @@ fn augmented_friction_sticks_whatever_its_stiffness() {
     let creeping = measure("1e4", "");
     println!("{soft:?} {stiff:?} {creeping:?}");
     assert!((creeping.1 / stiff.1 - 1.0).abs() > 1e-2, "{creeping:?} {stiff:?}");
+}
+
+/// No coefficient, and so no traction to take over: the rounds are those of the gaps.
+#[test]
+fn augmented_friction_without_a_coefficient_is_none() {
+    let slide = |friction: &str| {
+        let mut deck = block_with(friction, "1.0");
+        deck.interfaces[0].augmentation = Some(Augmentation::new(1e-9));
+        deck.time.end = 0.2;
+        *run(&deck, |snapshot| snapshot.contact_force()).measures.last().unwrap()
+    };
+    assert_eq!(slide("{ coefficient = 0.0, augmentation = { tolerance = 1e-9 } }"), slide("0.0"));
 }
 
 /// A block pressed on a strip and dragged along it so far, with this penalty.

@@ -3,8 +3,10 @@
 use std::collections::BTreeSet;
 use std::path::Path;
 
+use diffuse_contact::faces::FaceRule;
 use diffuse_contact::surface::tributary_areas;
-use diffuse_contact_solver::deck::{Contact, Deck};
+use diffuse_contact_solver::contact::Integration;
+use diffuse_contact_solver::deck::{Contact, Deck, Interface};
 use diffuse_contact_solver::output::Fields;
 use diffuse_contact_solver::verification::trace;
 
@@ -110,5 +112,19 @@ fn pressures_of_two_interfaces_do_not_add_up_where_they_meet() {
     deck.newton.tolerance = 1e-12;
     deck.interfaces.iter_mut().for_each(|interface| interface.exchange = true);
     let error = largest_error(&pressures_at(&deck, &["lower.z+"]), 10.0);
+    assert!(error < 1e-7, "{error:e}");
+}
+
+/// One pair of surfaces under two names is one area.
+#[test]
+fn pressures_of_one_pair_under_two_names_add_up() {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../examples/patch_test.toml");
+    let mut deck = Deck::read(path).unwrap();
+    deck.interfaces[0].integration = Integration::Faces(FaceRule::default());
+    deck.interfaces[0].surface.areas = false;
+    let again = Interface { name: "again".to_owned(), ..deck.interfaces[0].clone() };
+    deck.interfaces.push(again);
+    deck.newton.tolerance = 1e-12;
+    let error = largest_error(&pressures_at(&deck, &["upper.z-"]), 100.0);
     assert!(error < 1e-7, "{error:e}");
 }

@@ -12,7 +12,10 @@ use diffuse_contact_solver::verification::{largest_kink, trace};
 /// carries force.
 fn run(deck: &Deck) -> Vec<(f64, f64, Vec<usize>)> {
     let run = trace(deck, Path::new(""), 1, |snapshot| {
-        let force = snapshot.record.contacts.last().map_or(0.0, |contact| contact.normal);
+        let contact = snapshot.record.contacts.last().unwrap();
+        let force = contact.normal;
+        // No plane of symmetry carries anything along the last two axes.
+        assert!(contact.force[1..].iter().all(|x| x.abs() <= 1e-9 * (1.0 + force)), "{contact:?}");
         let interaction = snapshot.problem.contacts().interactions().last().unwrap();
         let loaded = interaction.slaves().filter(|slave| slave.force > 0.0).map(|slave| slave.node);
         Ok((force, snapshot.record.max_penetration, loaded.collect()))

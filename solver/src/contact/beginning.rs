@@ -34,6 +34,9 @@ pub struct Beginning {
     /// Slaves behind the master, deeper than masters are looked for, if all are there but for those beside it.
     #[serde(default)]
     pub behind: usize,
+    /// The first interface before it with the same two surfaces.
+    #[serde(default)]
+    pub repeats: Option<String>,
     /// Slaves whose masters do not carry the fit that was asked for.
     #[serde(flatten)]
     pub fallbacks: Fallbacks,
@@ -62,6 +65,14 @@ fn behind(interaction: &Interaction, positions: &[Point]) -> usize {
     if is_paired { 0 } else { all_behind(&slaves, pass.master(), positions) }
 }
 
+/// The name of the first interaction before this one that presses the same two surfaces together.
+fn repeated(interaction: &Interaction, problem: &Problem) -> Option<String> {
+    let all = problem.contacts().interactions().iter();
+    let mut before = all.take_while(|other| other.options().name != interaction.options().name);
+    let first = before.find(|other| interaction.is_of_the_surfaces_of(other))?;
+    Some(first.options().name.clone())
+}
+
 impl Beginning {
     /// Of the slaves of a model's interaction, one of the problem's. The roots of tributary areas are the facets' sizes.
     #[must_use]
@@ -88,6 +99,7 @@ impl Beginning {
             overlap: interaction.max_penetration(),
             deep: deep.count(),
             behind: behind(interaction, problem.start_positions()),
+            repeats: repeated(interaction, problem),
             fallbacks: interaction.fallbacks(),
             straight: interaction.straight(),
             symmetry: symmetry_line(interaction, problem, &model.deformable()),
@@ -113,9 +125,25 @@ impl Beginning {
     #[must_use]
     pub fn warnings(&self) -> Vec<String> {
         let Self {
-            interface, slaves, deep, fallbacks, straight, behind, idle_planes, crossed_planes, ..
+            interface,
+            slaves,
+            deep,
+            fallbacks,
+            straight,
+            behind,
+            repeats,
+            idle_planes,
+            crossed_planes,
+            ..
         } = self;
-        let mut warnings = Vec::new();
+        let twice = |other: &String| {
+            format!(
+                "interface `{}`: its two surfaces are those of the interface `{}`, too: the stiffnesses of both add up",
+                shown(interface),
+                shown(other)
+            )
+        };
+        let mut warnings: Vec<String> = repeats.iter().map(twice).collect();
         let mut warn = |count: &usize, what: &str| {
             if *count > 0 {
                 warnings.push(format!("interface `{}`: {count} {what}", shown(interface)));

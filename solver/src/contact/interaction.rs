@@ -17,6 +17,7 @@ use super::losses::is_failure;
 use super::node_pass::NodePass;
 use super::pass::{NodalForces, Pass, PassError};
 use super::{Augmentation, ContactError, Integration, InteractionOptions, LostContact, Way};
+use crate::model::sorted;
 use crate::system::{BlockMatrix, Symmetry};
 
 /// Root of the mean area of facets, of which nodes have these tributary areas; 0 without any.
@@ -96,6 +97,8 @@ pub struct Interaction {
     areas: HashMap<usize, f64>,
     /// Facets of both sides.
     facets: Vec<Facet>,
+    /// How many of them, the first, are the slave's.
+    slave_facets: usize,
     /// The multipliers of each pass from before others were supposed.
     before: Vec<Vec<f64>>,
 }
@@ -141,7 +144,7 @@ impl Interaction {
         // One side is both where a surface is in contact with itself.
         let other = if options.self_contact { &[] } else { master };
         let facets = [slave, other].concat();
-        Ok(Self { options, passes, sizes, areas, facets, before: Vec::new() })
+        Ok(Self { options, passes, sizes, areas, facets, slave_facets: slave.len(), before: Vec::new() })
     }
 
     /// The options.
@@ -446,6 +449,21 @@ impl Interaction {
     /// Facets of both sides.
     pub(crate) fn facets(&self) -> &[Facet] {
         &self.facets
+    }
+
+    /// Whether it presses the same two surfaces together as another one, in whichever roles.
+    pub(super) fn is_of_the_surfaces_of(&self, other: &Self) -> bool {
+        let sides = |own: &Self| {
+            let (slave, master) = own.facets.split_at(own.slave_facets);
+            let mut sides = [slave, master].map(|side| {
+                let mut side: Vec<Vec<usize>> = side.iter().map(|facet| sorted(facet.corners())).collect();
+                side.sort_unstable();
+                side
+            });
+            sides.sort_unstable();
+            sides
+        };
+        self.facets.len() == other.facets.len() && sides(self) == sides(other)
     }
 
     /// Area that belongs to a node of either side at the start, length².

@@ -304,15 +304,23 @@ pub trait Pass: std::fmt::Debug {
 
     /// The slip that Coulomb's law does not allow, of slaves that can move, length; 0 without augmentation of friction.
     fn slip_error(&self) -> Result<f64, PassError> {
-        if !self.state().friction.as_ref().is_some_and(PassFriction::is_augmented) {
+        if !self.has_augmented_friction() {
             return Ok(0.0);
         }
         let moved = self.slip_errors()?.into_iter().enumerate().filter(|&(k, _)| !self.is_held(k));
         Ok(moved.map(|(_, error)| error).fold(0.0, f64::max))
     }
 
-    /// Tractions become multipliers, but where nothing can move.
+    /// Whether its friction has multipliers: a coefficient of 0 has none, whatever the options say.
+    fn has_augmented_friction(&self) -> bool {
+        self.state().friction.as_ref().is_some_and(PassFriction::is_augmented)
+    }
+
+    /// Tractions become multipliers, if there are any, but where nothing can move.
     fn augment_friction(&mut self) -> Result<(), PassError> {
+        if !self.has_augmented_friction() {
+            return Ok(());
+        }
         let moved: Vec<bool> = (0..self.slave_count()).map(|k| !self.is_held(k)).collect();
         Ok(self.augment_friction_of(&moved)?)
     }
@@ -322,7 +330,7 @@ pub trait Pass: std::fmt::Debug {
         let own = &mut self.state_mut().multipliers;
         let (found, expected) = (multipliers.len(), own.len());
         if found != expected {
-            return Err(ContactError::OtherPasses { found, expected });
+            return Err(ContactError::OtherPasses { what: "multipliers", found, expected });
         }
         own.copy_from_slice(multipliers);
         Ok(())

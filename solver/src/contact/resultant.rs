@@ -23,22 +23,37 @@ pub struct Resultant {
     pub centre: Point,
 }
 
+impl Resultant {
+    /// Adds a force at `x`, with its moment.
+    fn add(&mut self, x: Point, force: Point) {
+        for axis in 0..3 {
+            let (next, last) = ((axis + 1) % 3, (axis + 2) % 3);
+            self.force[axis] += force[axis];
+            self.moment[axis] += x[next] * force[last] - x[last] * force[next];
+        }
+    }
+}
+
 impl Interaction {
     /// Forces of the last evaluation, at the positions it was for.
     #[must_use]
     pub fn resultant(&self, positions: &[Point]) -> Resultant {
         let mut sum = Resultant::default();
+        let is_own = self.options().self_contact;
+        if is_own {
+            // The masters are nodes of the same surface.
+            let all = self.nodal_forces(positions.len()).forces;
+            positions.iter().zip(all).for_each(|(&x, force)| sum.add(x, force));
+        }
         for (sign, pass) in [1.0, -1.0].into_iter().zip(self.passes()) {
             let mut area = 0.0;
             for slave in pass.slaves() {
-                let (x, force) = (positions[slave.node], slave.nodal_force.map(|f| sign * f));
-                for axis in 0..3 {
-                    let (next, last) = ((axis + 1) % 3, (axis + 2) % 3);
-                    sum.force[axis] += force[axis];
-                    sum.moment[axis] += x[next] * force[last] - x[last] * force[next];
-                    // The second pass has its points on the same surface in contact.
-                    sum.centre[axis] += slave.force * x[axis];
+                let x = positions[slave.node];
+                if !is_own {
+                    sum.add(x, slave.nodal_force.map(|f| sign * f));
                 }
+                // The second pass has its points on the same surface in contact.
+                (0..3).for_each(|axis| sum.centre[axis] += slave.force * x[axis]);
                 sum.normal += slave.force;
                 sum.friction += slave.friction.iter().map(|f| f * f).sum::<f64>().sqrt();
                 area += self.loaded_area(&slave);
@@ -46,7 +61,7 @@ impl Interaction {
             // In two passes both sides carry force, but at the beginning of contact.
             sum.area = sum.area.max(area);
         }
-        if self.options().self_contact {
+        if is_own {
             sum.area *= 0.5;
         }
         if sum.normal > 0.0 {

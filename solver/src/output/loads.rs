@@ -6,8 +6,10 @@
 use std::collections::{BTreeMap, HashMap, HashSet};
 
 use diffuse_contact::surface::{Facet, tributary_areas};
+use nalgebra::Vector3;
 
 use crate::contact::{Integration, Interaction, SlaveState};
+use crate::model::sorted;
 use crate::statics::Problem;
 
 /// What presses on nodes.
@@ -28,10 +30,12 @@ struct Share {
     area: Area,
 }
 
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug)]
 enum Area {
-    /// The part of the node's area over the master, length².
+    /// The part of the node's area over the master, length². What several interactions cover may be the same.
     Covered(f64),
+    /// The same of a node of a face of second order, which has no tributary area to compare it with.
+    CoveredByOrder(f64),
     /// That of the slave's nodes.
     Tributary,
     /// Over faces, where nothing lies over those around the node: what others of its faces carry.
@@ -59,16 +63,18 @@ impl Loads {
         let passes = if options.two_pass || options.self_contact { 2.0 } else { 1.0 };
         for slave in interaction.slaves() {
             let SlaveState { node, area, .. } = slave;
-            let covered = match slave.gap {
-                Some(_) if area > 0.0 => Area::Covered(area),
+            let covered = |of: fn(f64) -> Area| match slave.gap {
+                Some(_) if area > 0.0 => of(area),
                 _ => Area::Beside,
             };
             let (normal, friction, area) = if is_over_faces && on_quadratic.contains(&node) {
                 // Forces of faces of second order are no pressures: corners may have none.
-                (passes * slave.force, slave.friction.map(|force| passes * force), covered)
+                let friction = slave.friction.map(|force| passes * force);
+                (passes * slave.force, friction, covered(Area::CoveredByOrder))
             } else {
-                let area = if is_over_faces { covered } else { Area::Tributary };
-                (pressing(forces.forces[node], slave.normal), forces.friction[node], area)
+                let area = if is_over_faces { covered(Area::Covered) } else { Area::Tributary };
+                let friction = forces.friction[node];
+                (pressing(forces.forces[node], friction, slave.normal), friction, area)
             };
             if normal != 0.0 || friction != [0.0; 3] {
                 let share = Share { interaction: number, normal, friction, area };
@@ -82,14 +88,23 @@ impl Loads {
         let interactions = problem.contacts().interactions();
         let mut unions = Unions { interactions, start: problem.start_positions(), found: HashMap::new() };
         for (&node, shares) in &self.nodes {
-            let of = |area: Area| -> Vec<usize> {
-                shares.iter().filter(|share| share.area == area).map(|share| share.interaction).collect()
-            };
-            let covered = |share: &Share| if let Area::Covered(area) = share.area { area } else { 0.0 };
-            let mut area: f64 = shares.iter().map(covered).sum();
-            area += unions.area(of(Area::Tributary), node);
+            let (mut area, mut covered) = (0.0, 0.0);
+            let [mut covering, mut tributary, mut beside] = [const { Vec::new() }; 3];
+            for &Share { interaction, area: own, .. } in shares {
+                match own {
+                    Area::Covered(own) => {
+                        covered += own;
+                        covering.push(interaction);
+                    }
+                    Area::CoveredByOrder(own) => area += own,
+                    Area::Tributary => tributary.push(interaction),
+                    Area::Beside => beside.push(interaction),
+                }
+            }
+            area += if covering.len() > 1 { covered.min(unions.area(covering, node)) } else { covered };
+            area += unions.area(tributary, node);
             if area == 0.0 {
-                area = unions.area(of(Area::Beside), node);
+                area = unions.area(beside, node);
             }
             if area > 0.0 {
                 let normal = shares.iter().map(|share| share.normal).sum::<f64>() / area;
@@ -121,11 +136,7 @@ impl Unions<'_> {
         let Self { interactions: all, start, found } = self;
         let areas = found.entry(interactions).or_insert_with_key(|interactions| {
             let mut known = HashSet::new();
-            let mut is_new = |facet: &&Facet| {
-                let mut corners = facet.corners().to_vec();
-                corners.sort_unstable();
-                known.insert(corners)
-            };
+            let mut is_new = |facet: &&Facet| known.insert(sorted(facet.corners()));
             let facets = interactions.iter().flat_map(|&k| all[k].facets());
             let facets: Vec<Facet> = facets.filter(&mut is_new).copied().collect();
             // Checked when the interactions were made.
@@ -135,9 +146,20 @@ impl Unions<'_> {
     }
 }
 
-/// The part of a node's contact force along its normal. A slave that faces no master has no normal; what it receives as a master
-/// of the other pass is pressure then.
-fn pressing(force: [f64; 3], normal: [f64; 3]) -> f64 {
-    let dot = |a: [f64; 3], b: [f64; 3]| a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-    if normal == [0.0; 3] { dot(force, force).sqrt() } else { dot(force, normal) }
+/// The part of a node's contact force along its normal. A slave that faces no master has no normal; what it receives besides friction, as
+/// a master of the other pass or by others of its faces, is pressure then.
+fn pressing(force: [f64; 3], friction: [f64; 3], normal: [f64; 3]) -> f64 {
+    let [force, friction, direction] = [force, friction, normal].map(Vector3::from);
+    if normal == [0.0; 3] { (force - friction).norm() } else { force.dot(&direction) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn friction_is_no_pressure_where_there_is_no_normal() {
+        assert_eq!(pressing([3.0, 0.0, 4.0], [3.0, 0.0, 0.0], [0.0; 3]), 4.0);
+        assert_eq!(pressing([3.0, 0.0, 4.0], [3.0, 0.0, 0.0], [0.0, 0.0, 1.0]), 4.0);
+    }
 }

@@ -15,8 +15,8 @@
 //!
 //! **Convergence**: ‖max(0, |r| − ε |K| |x|)‖ ≤ tolerance · F + absolute, over the free degrees of freedom. ε |K| |x| is what rounding of
 //! the positions makes of each component of r, ε the machine's, so that no stiff part excuses a soft one; F is the largest of the norms of
-//! external forces, reactions and contact forces of the moment. Contact of which slave and masters are all prescribed is no part of F: it
-//! moves nothing. The same rule holds for every element.
+//! external forces, reactions and contact forces of the moment. What moves nothing is no part of F: loads on prescribed degrees of
+//! freedom, and contact and elements all of whose nodes are prescribed. The same rule holds for every element.
 //!
 //! **Linear solutions** of large problems are iterative, as accurate as Newton's method has use for: the residual may be 0.9 (r / r before)²
 //! of r, sizes without what [stiff contact takes up by itself](crate::system::Accuracy), by S. C. Eisenstat and H. F. Walker (SIAM Journal on Scientific Computing 17, 1996, 16–32), between bounds.

@@ -68,6 +68,10 @@ pub struct Problem {
     pub(super) contact: Vec<f64>,
     /// The part of it that moves nothing.
     held: Vec<f64>,
+    /// Whether all axes of each node are prescribed.
+    is_held: Vec<bool>,
+    /// f_int of the elements that have such nodes only.
+    strained: Vec<f64>,
     active: usize,
     /// Residual that is small enough whatever the forces are.
     pub(super) negligible: f64,
@@ -103,7 +107,8 @@ pub struct Problem {
 pub(super) struct Balance {
     /// ‖r‖ over the free degrees of freedom.
     pub residual: f64,
-    /// The largest of the norms of external forces, reactions and contact forces; without contact that can move nothing.
+    /// The largest of the norms of external forces, reactions and contact forces, without what can move nothing: loads on prescribed
+    /// degrees of freedom, elements and contact among nodes that are prescribed along all axes.
     pub scale: f64,
     /// ‖max(0, |r| − ε |K| |x|)‖ over the free degrees of freedom: what rounding of the positions does not explain. Before the
     /// increment's first linear solution it is all of the residual.
@@ -131,8 +136,8 @@ impl Problem {
     ) -> Self {
         let freedoms = 3 * start.len();
         let prescribed = supports.prescribed();
-        let held: Vec<bool> = prescribed.iter().map(|axes| axes.iter().all(|&axis| axis)).collect();
-        contacts.hold(&held);
+        let is_held: Vec<bool> = prescribed.iter().map(|axes| axes.iter().all(|&axis| axis)).collect();
+        contacts.hold(&is_held);
         let equations = Equations::new(&prescribed);
         Self {
             start,
@@ -145,6 +150,8 @@ impl Problem {
             external: vec![0.0; freedoms],
             contact: vec![0.0; freedoms],
             held: vec![0.0; freedoms],
+            is_held,
+            strained: vec![0.0; freedoms],
             active: 0,
             negligible: 0.0,
             balance: Balance::default(),
@@ -205,6 +212,8 @@ impl Problem {
     /// Goes back to the history of contact of a state: nothing of what came after it is left.
     pub(super) fn take_history(&mut self, state: &State) -> Result<(), ContactError> {
         self.rounding.clear();
+        // What was known of matrices before is no part of a state.
+        self.solver.forget();
         (self.supposed, self.is_in_vain, self.stabilised) = (0, false, 0);
         self.linear = LinearEffort::default();
         self.contacts.set_multipliers(&state.multipliers)?;
@@ -332,14 +341,7 @@ impl Problem {
     ) -> Result<Balance, Failure> {
         let begin = Instant::now();
         self.solid.evaluate(positions, committed, order, &mut self.response).map_err(Failure::of_solid)?;
-        self.internal.fill(0.0);
-        for element in self.solid.responses(&self.response) {
-            for (node, force) in element.nodes.iter().zip(element.forces.as_chunks::<3>().0) {
-                for axis in 0..3 {
-                    self.internal[3 * node + axis] += force[axis];
-                }
-            }
-        }
+        self.add_internal_forces();
         self.external.fill(0.0);
         for pressure in &self.pressures {
             pressure.add_forces(time, &self.start, positions, &mut self.external);
@@ -351,9 +353,6 @@ impl Problem {
             Order::Tangent => Mode::Hessian,
         };
         self.contacts.evaluate(positions, mode).map_err(Failure::Contact)?;
-        if self.contacts.take_grown() {
-            self.stiffness = None;
-        }
         self.contact.fill(0.0);
         self.active = self.contacts.add_internal_forces(&mut self.contact).map_err(Failure::Contact)?;
         self.held.fill(0.0);
@@ -363,26 +362,84 @@ impl Problem {
         Ok(self.balance)
     }
 
+    fn add_internal_forces(&mut self) {
+        self.internal.fill(0.0);
+        self.strained.fill(0.0);
+        for element in self.solid.responses(&self.response) {
+            let moves_nothing = element.nodes.iter().all(|&node| self.is_held[node]);
+            for (node, force) in element.nodes.iter().zip(element.forces.as_chunks::<3>().0) {
+                for axis in 0..3 {
+                    self.internal[3 * node + axis] += force[axis];
+                    if moves_nothing {
+                        self.strained[3 * node + axis] += force[axis];
+                    }
+                }
+            }
+        }
+    }
+
     fn norms(&self) -> Balance {
         let norm = |sum: f64| sum.sqrt();
-        let (mut residual, mut excess, mut reaction) = (0.0, 0.0, 0.0);
-        for (freedom, (force, held)) in self.imbalance().zip(&self.held).enumerate() {
-            let square = force * force;
+        let (mut residual, mut excess, mut reaction, mut external) = (0.0, 0.0, 0.0, 0.0);
+        for (freedom, force) in self.imbalance().enumerate() {
             if self.supports.is_free(freedom) {
-                residual += square;
+                residual += force * force;
+                external += self.external[freedom].powi(2);
                 let rounding = self.rounding.get(freedom).copied().unwrap_or(0.0);
                 // A force that is no number is in excess.
                 if !(force.abs() <= rounding) {
                     excess += (force.abs() - rounding).powi(2);
                 }
             } else {
-                // Between prescribed nodes the deck's penetration makes any force.
-                reaction += (force - held).powi(2);
+                // The deck makes any force of strains and penetrations between prescribed nodes, and loads them as it likes.
+                let of_elements = self.internal[freedom] - self.strained[freedom];
+                reaction += (of_elements + self.contact[freedom] - self.held[freedom]).powi(2);
             }
         }
         let contact: f64 = self.contact.iter().zip(&self.held).map(|(all, held)| (all - held).powi(2)).sum();
-        let external: f64 = self.external.iter().map(|force| force * force).sum();
         let scale = external.max(contact).max(reaction);
         Balance { residual: norm(residual), scale: norm(scale), excess: norm(excess) }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::{Control, IncrementRecord, Observer};
+    use super::*;
+    use crate::deck::Deck;
+    use crate::solve;
+
+    struct Silent;
+
+    impl Observer for Silent {
+        fn increment(
+            &mut self,
+            _: &IncrementRecord,
+            _: &State,
+            _: &Problem,
+        ) -> Result<Control, Box<dyn std::error::Error + Send + Sync>> {
+            Ok(Control::Continue)
+        }
+    }
+
+    /// Else a run that was interrupted could take other factors than one that was not.
+    #[test]
+    fn an_increment_begins_without_what_was_known_of_earlier_matrices() {
+        let text = "
+            materials.soft = { young = 1000.0, poisson = 0.3 }
+            parts.block = { shape = \"box\", size = [1, 1, 1], divisions = [2, 1, 1], material = \"soft\" }
+            boundary = [
+                { nodes = \"block.z-\", fix = [\"x\", \"y\", \"z\"] },
+                { nodes = \"block.z+\", translate = [\"free\", \"free\", -0.1] },
+            ]
+            time = { increment = 1.0 }";
+        let deck = Deck::parse(text).unwrap();
+        let model = deck.model("").unwrap();
+        let mut statics = solve::statics(&deck, &model, 1).unwrap();
+        let start = statics.problem.start();
+        let end = statics.run(start, &mut Silent).unwrap();
+        assert!(statics.problem.solver.is_probed());
+        statics.problem.take_history(&end).unwrap();
+        assert!(!statics.problem.solver.is_probed());
     }
 }

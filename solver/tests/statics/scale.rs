@@ -59,6 +59,25 @@ fn contact_that_moves_nothing_is_no_scale() {
     }
 }
 
+/// What acts on prescribed degrees of freedom, from outside or from elements without a free one, moves nothing either.
+#[test]
+fn loads_and_strains_that_move_nothing_are_no_scale() {
+    let time = "[time]\nincrement = 0.5";
+    let loaded =
+        format!("{}[[pressure]]\nsurface = \"anvil.z+\"\nvalue = 1e6\n", with_anvil(LOADED, "base", FIXED));
+    let halves = format!("{FIXED}\n[[boundary]]\nnodes = \"anvil.z+\"\ntranslate = [0.0, 0.0, 2.0]");
+    let strained = with_anvil(LOADED, "base", &halves).replace("nodes = \"anvil\"", "nodes = \"anvil.z-\"");
+    let (alone, ..) = run(LOADED, time);
+    for deck in [loaded, strained] {
+        let (both, ..) = run(&deck, time);
+        for (alone, both) in alone.increments.iter().zip(&both.increments) {
+            for (alone, both) in alone.history[1..].iter().zip(&both.history[1..]) {
+                assert!((both.allowed / alone.allowed - 1.0).abs() < 1e-6, "{alone:?} {both:?}");
+            }
+        }
+    }
+}
+
 /// A body that the deck takes through its floor, all nodes of both prescribed, loses nothing that a shorter increment would keep.
 #[test]
 fn prescribed_bodies_lose_no_contact() {

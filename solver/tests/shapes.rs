@@ -507,6 +507,18 @@ fn numbers_out_of_range_are_refused() {
         side: Side::Outside,
     };
     assert_eq!(refused(Shape::RigidTorus(torus)), ("tube_radius", 1.0));
+    let sphere = RigidSphere {
+        radius: 1.0,
+        keep: vec![],
+        divisions: 1000,
+        grading: [1.0; 3],
+        facets: Facets::Triangles,
+        side: Side::Outside,
+    };
+    // The nodes of a cube's faces, 24 n² + 2, and of the half of them.
+    assert_eq!(refused(Shape::RigidSphere(sphere.clone())), ("nodes", 24e6 + 2.0));
+    let half = RigidSphere { keep: vec![HalfSpace::ALL[0]], divisions: 1500, ..sphere };
+    assert_eq!(refused(Shape::RigidSphere(half)), ("nodes", 12.0 * 1500.0_f64.powi(2) + 6000.0 + 1.0));
     let wave = RigidWave {
         size: [1.0; 2],
         height: f64::INFINITY,

@@ -139,6 +139,18 @@ fn a_deck_that_is_too_large_for_the_memory_is_refused() {
     assert!(!Path::new(&out).exists(), "nothing was written");
 }
 
+/// A rigid part of half a million nodes fits: only the name is wrong.
+#[cfg(target_os = "linux")]
+#[test]
+fn rigid_parts_need_less_memory_than_deformable_ones() {
+    let scratch = Scratch::new("solve-rigid-memory");
+    let deck = block_in(8).replace("[10, 3]", "[700, 700]").replace("\"block.z-\"", "\"block.top\"");
+    let (deck, out) = (scratch.file("block.toml", &deck), scratch.path("out"));
+    let script = format!("ulimit -v 3000000; exec '{PROGRAM}' solve '{deck}' --out '{out}' --threads 1");
+    let refused: Run = Command::new("sh").args(["-c", &script]).output().unwrap().into();
+    refused.assert_refused(&["no surface is named \"block.top\""]);
+}
+
 #[test]
 fn a_full_disk_ends_the_run_with_what_there_is_whole() {
     let scratch = Scratch::new("solve-full");

@@ -161,6 +161,21 @@ impl ButterflyLattice {
         (low[2]..=high[2]).flat_map(plane).collect()
     }
 
+    /// The points of the rim in the order of their nodes, without a list of the core.
+    fn rim_points(&self) -> Vec<[i64; 3]> {
+        let (low, high) = (self.low, self.high);
+        let mut points = Vec::new();
+        for k in low[2]..=high[2] {
+            for j in low[1]..=high[1] {
+                // Between the ends of a row all points are like the one beside the first.
+                let step = if self.is_rim([low[0] + 1, j, k]) { 1 } else { high[0] - low[0] };
+                let row = (low[0]..=high[0]).step_by(step as usize).map(|i| [i, j, k]);
+                points.extend(row.filter(|&at| self.is_rim(at)));
+            }
+        }
+        points
+    }
+
     /// Whether layers stand on a point of the core.
     fn is_rim(&self, at: [i64; 3]) -> bool {
         at[..self.round].iter().any(|x| x.abs() == self.half)
@@ -226,18 +241,13 @@ impl ButterflyLattice {
 
     /// The rim alone, as a surface with nodes at `position`: a rigid part, and where each of its nodes is in the lattice.
     pub fn rim(&self, position: impl Fn([i64; 3]) -> [f64; 3]) -> (Part, Vec<[i64; 3]>) {
-        let core = self.core();
-        let mut number = vec![usize::MAX; core.len()];
-        let mut places = Vec::new();
-        for (node, &at) in core.iter().enumerate() {
-            if self.is_rim(at) {
-                number[node] = places.len();
-                places.push(at);
-            }
-        }
-        let corners = |face: RimFace| {
-            [[0, 0], [1, 0], [1, 1], [0, 1]].map(|offset| number[self.core_node(face.at(offset))])
+        let places = self.rim_points();
+        let ordered = |[i, j, k]: [i64; 3]| [k, j, i];
+        let number = |at: [i64; 3]| {
+            let place = places.binary_search_by_key(&ordered(at), |&place| ordered(place));
+            place.unwrap_or_else(|_| unreachable!("corners of the rim's faces are on it"))
         };
+        let corners = |face: RimFace| [[0, 0], [1, 0], [1, 1], [0, 1]].map(|offset| number(face.at(offset)));
         let facets = self.rim_faces().into_iter().map(|face| Facet::Quadrilateral(corners(face))).collect();
         let nodes = places.iter().map(|&at| position(at)).collect();
         (Part { nodes, facets, ..Part::default() }, places)

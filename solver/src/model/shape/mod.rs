@@ -213,8 +213,20 @@ fn turn(field: &'static str, [start, end]: [f64; 2]) -> Result<bool, ShapeError>
 /// About what a node of a deformable part takes in a run, besides factors: its elements' stiffness and states, and its rows of K.
 const BYTES_PER_NODE: usize = 8_000;
 
-/// Checks that numbers of cells are positive and that there are not too many nodes.
+/// About what a node of a rigid part takes: its positions, its forces and its place in the surface.
+const BYTES_PER_RIGID_NODE: usize = 1_000;
+
+/// Checks that numbers of cells of a deformable part are positive and that there are not too many nodes.
 fn divisions(counts: &[usize], nodes: f64) -> Result<(), ShapeError> {
+    divisions_with(counts, nodes, BYTES_PER_NODE)
+}
+
+/// The same of a rigid part.
+fn rigid_divisions(counts: &[usize], nodes: f64) -> Result<(), ShapeError> {
+    divisions_with(counts, nodes, BYTES_PER_RIGID_NODE)
+}
+
+fn divisions_with(counts: &[usize], nodes: f64, bytes_per_node: usize) -> Result<(), ShapeError> {
     for &count in counts {
         in_range(count >= 1, "divisions", "at least 1", count as f64)?;
     }
@@ -222,10 +234,10 @@ fn divisions(counts: &[usize], nodes: f64) -> Result<(), ShapeError> {
         return Err(ShapeError::TooManyNodes { count: nodes, limit: MAX_NODES });
     }
     // Asked for and given back: systems that refuse it at once would otherwise end the program in the middle of its work.
-    match Vec::<u8>::new().try_reserve_exact(nodes as usize * BYTES_PER_NODE) {
+    match Vec::<u8>::new().try_reserve_exact(nodes as usize * bytes_per_node) {
         Ok(()) => Ok(()),
         Err(_) => {
-            let gigabytes = nodes * BYTES_PER_NODE as f64 / 1e9;
+            let gigabytes = nodes * bytes_per_node as f64 / 1e9;
             Err(ShapeError::NoMemory { count: nodes, gigabytes })
         }
     }
@@ -235,10 +247,12 @@ fn in_range(holds: bool, field: &'static str, range: &'static str, value: f64) -
     if holds { Ok(()) } else { Err(ShapeError::OutOfRange { field, range, value }) }
 }
 
-/// Checks a range of angles with the number of cells in it: each spans less than half a turn.
-fn arc(field: &'static str, angles: [f64; 2], count: usize) -> Result<(), ShapeError> {
+/// Checks a range of angles with the number of cells in it, each of which spans less than half a turn, and returns whether it is a whole
+/// turn.
+fn arc(field: &'static str, angles: [f64; 2], count: usize) -> Result<bool, ShapeError> {
     let whole = turn(field, angles)?;
     let cell = (angles[1] - angles[0]) / count as f64;
     in_range(!whole || count >= 3, "divisions", "at least 3 around a whole turn", count as f64)?;
-    in_range(cell < 180.0, "divisions", "so many that a cell spans less than 180 degrees", count as f64)
+    in_range(cell < 180.0, "divisions", "so many that a cell spans less than 180 degrees", count as f64)?;
+    Ok(whole)
 }

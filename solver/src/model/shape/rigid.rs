@@ -4,7 +4,7 @@ use std::f64::consts::TAU;
 
 use diffuse_contact::surface::Facet;
 
-use super::{Axis, arc, divisions, in_range, length, turn};
+use super::{Axis, arc, in_range, length, rigid_divisions, turn};
 use crate::model::motion::sine_cosine;
 use crate::model::{Part, ShapeError};
 
@@ -101,7 +101,7 @@ impl RigidPlane {
     /// Finds the first number out of range.
     pub fn check(&self) -> Result<(), ShapeError> {
         self.size.into_iter().try_for_each(|value| length("size", value))?;
-        divisions(&self.divisions, node_count(self.divisions))
+        rigid_divisions(&self.divisions, node_count(self.divisions, [false; 2]))
     }
 
     /// Its mesh.
@@ -122,7 +122,7 @@ impl RigidWave {
         self.size.into_iter().try_for_each(|value| length("size", value))?;
         in_range(self.height.abs() <= super::MAX_LENGTH, "height", "finite (up to 1e50)", self.height)?;
         length("wavelength", self.wavelength)?;
-        divisions(&self.divisions, node_count(self.divisions))
+        rigid_divisions(&self.divisions, node_count(self.divisions, [false; 2]))
     }
 
     /// Its mesh.
@@ -144,8 +144,8 @@ impl RigidCylinder {
     pub fn check(&self) -> Result<(), ShapeError> {
         length("radius", self.radius)?;
         length("length", self.length)?;
-        arc("angles", self.angles, self.divisions[0])?;
-        divisions(&self.divisions, node_count(self.divisions))
+        let whole = arc("angles", self.angles, self.divisions[0])?;
+        rigid_divisions(&self.divisions, node_count(self.divisions, [whole, false]))
     }
 
     /// Its mesh.
@@ -168,9 +168,11 @@ impl RigidTorus {
         length("radius", self.radius)?;
         length("tube_radius", self.tube_radius)?;
         in_range(self.tube_radius < self.radius, "tube_radius", "below radius", self.tube_radius)?;
-        arc("angles", self.angles, self.divisions[0])?;
-        arc("tube_angles", self.tube_angles, self.divisions[1])?;
-        divisions(&self.divisions, node_count(self.divisions))
+        let whole = [
+            arc("angles", self.angles, self.divisions[0])?,
+            arc("tube_angles", self.tube_angles, self.divisions[1])?,
+        ];
+        rigid_divisions(&self.divisions, node_count(self.divisions, whole))
     }
 
     /// Its mesh.
@@ -193,8 +195,9 @@ fn direction([start, end]: [f64; 2], k: usize, count: usize) -> (f64, f64) {
     sine_cosine(start + (end - start) * (k as f64 / count as f64))
 }
 
-fn node_count(divisions: [usize; 2]) -> f64 {
-    divisions.iter().map(|&n| n as f64 + 1.0).product()
+/// Of a [`sheet`].
+fn node_count(cells: [usize; 2], closed: [bool; 2]) -> f64 {
+    [0, 1].map(|k| cells[k] as f64 + if closed[k] { 0.0 } else { 1.0 }).iter().product()
 }
 
 /// Quadrilaterals over a rectangle of parameters, normals along the first direction times the second; `closed` directions

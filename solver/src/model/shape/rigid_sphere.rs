@@ -6,7 +6,7 @@ use super::ball::lattice;
 use super::cylinder::{opposite, round_point};
 use super::grading::{graded, mirrored};
 use super::rigid::{Facets, Side, finished};
-use super::{HalfSpace, divisions, kept, length, ratio};
+use super::{HalfSpace, kept, length, ratio, rigid_divisions};
 use crate::model::{Part, ShapeError};
 
 /// A sphere around the origin, whole or cut: the six faces of a cube, bulged. Node sets: `x0`, `y0`, `z0` where it is cut.
@@ -32,8 +32,17 @@ impl RigidSphere {
         length("radius", self.radius)?;
         self.grading.into_iter().try_for_each(|value| ratio("grading", value))?;
         opposite(&self.keep)?;
-        // The whole cube is numbered for a moment.
-        divisions(&[self.divisions], (2.0 * self.divisions as f64 + 1.0).powi(3))
+        rigid_divisions(&[self.divisions], self.node_count())
+    }
+
+    /// The nodes of the cube's faces: all of the cube's but those within, one axis after the other.
+    fn node_count(&self) -> f64 {
+        let n = self.divisions as f64;
+        let is_cut = |axis| kept(&self.keep, axis, 1).1;
+        let all = [0, 1, 2].map(|axis| if is_cut(axis) { n + 1.0 } else { 2.0 * n + 1.0 });
+        let within = [0, 1, 2].map(|axis| if is_cut(axis) { n } else { 2.0 * n - 1.0 });
+        let faces = [0, 1, 2].map(|axis| if is_cut(axis) { 1.0 } else { 2.0 });
+        faces[0] * all[1] * all[2] + within[0] * (faces[1] * all[2] + within[1] * faces[2])
     }
 
     /// Its mesh.

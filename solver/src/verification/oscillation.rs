@@ -20,8 +20,13 @@ impl Oscillation {
         for value in values {
             sum += value;
             count += 1.0;
-            smallest = smallest.min(value);
-            largest = largest.max(value);
+            // One that is no number stays in both.
+            if value.is_nan() || value < smallest {
+                smallest = value;
+            }
+            if value.is_nan() || value > largest {
+                largest = value;
+            }
         }
         (count > 0.0).then(|| Self { mean: sum / count, smallest, largest })
     }
@@ -49,5 +54,9 @@ mod tests {
         assert_eq!(oscillation, Oscillation { mean: 1.0, smallest: -3.0, largest: 5.0 });
         assert_eq!((oscillation.peak_to_peak(), oscillation.amplitude()), (8.0, 5.0));
         assert_eq!(Oscillation::of([]), None);
+        for values in [[f64::NAN, 1.0, -1.0], [1.0, f64::NAN, -1.0]] {
+            let oscillation = Oscillation::of(values).unwrap();
+            assert!(oscillation.amplitude().is_nan() && oscillation.peak_to_peak().is_nan());
+        }
     }
 }

@@ -186,9 +186,9 @@ impl Pass for NodePass {
                 other => other,
             })?;
             match (is_full, self.is_symmetric) {
-                (false, _) => matrix.add_symmetric(&nodes, &entries, 1.0),
-                (true, true) => matrix.add_symmetric(&nodes, &symmetric_part(&entries, size), 1.0),
-                (true, false) => matrix.add(&nodes, &entries, 1.0),
+                (false, _) => matrix.add_symmetric(&nodes, &entries),
+                (true, true) => matrix.add_symmetric(&nodes, &symmetric_part(&entries, size)),
+                (true, false) => matrix.add(&nodes, &entries),
             }
         }
         self.values = entries;

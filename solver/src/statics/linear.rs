@@ -48,7 +48,7 @@ impl LinearEffort {
                 self.iterations += iterations;
                 self.direct_instead += 1;
             }
-            LinearReport::Direct(_) => {}
+            LinearReport::Direct => {}
         }
     }
 }
@@ -149,6 +149,10 @@ impl Problem {
         tangent: Option<Tangent>,
     ) -> Result<Assembled, Failure> {
         let begin = Instant::now();
+        // Also by evaluations elsewhere than at the last residual.
+        if self.contacts.take_grown() {
+            self.stiffness = None;
+        }
         let mut matrix = match self.stiffness.take() {
             Some(matrix) => matrix,
             None => BlockMatrix::new(self.new_pattern()),
@@ -157,7 +161,7 @@ impl Problem {
         self.timing.linear += linear - begin;
         matrix.clear();
         for element in self.solid.responses(&self.response) {
-            matrix.add_symmetric(element.nodes, element.tangent, 1.0);
+            matrix.add_symmetric(element.nodes, element.tangent);
         }
         for pressure in &self.pressures {
             pressure.add_tangent(time, positions, &mut matrix);

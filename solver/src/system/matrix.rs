@@ -45,12 +45,12 @@ impl BlockMatrix {
         &self.blocks
     }
 
-    /// Adds `scale` times the symmetric matrix over the coordinates of `nodes`, node by node, whose lower triangle is `packed`
+    /// Adds the symmetric matrix over the coordinates of `nodes`, node by node, whose lower triangle is `packed`
     /// row by row: entry (i, j ≤ i) at i(i+1)/2 + j. A node may occur more than once.
     ///
     /// # Panics
     /// If the length is not 3n(3n+1)/2, or a pair of the nodes is not in the pattern.
-    pub fn add_symmetric(&mut self, nodes: &[usize], packed: &[f64], scale: f64) {
+    pub fn add_symmetric(&mut self, nodes: &[usize], packed: &[f64]) {
         let size = 3 * nodes.len();
         assert_eq!(
             packed.len(),
@@ -70,7 +70,7 @@ impl BlockMatrix {
                 let (mut lower, mut upper) = ([[0.0; 3]; 3], [[0.0; 3]; 3]);
                 for (i, entries) in [x, y, z].into_iter().enumerate() {
                     for j in 0..3 {
-                        lower[i][j] = scale * entries[j];
+                        lower[i][j] = entries[j];
                         upper[j][i] = lower[i][j];
                     }
                 }
@@ -78,24 +78,24 @@ impl BlockMatrix {
                 self.add_block(column, row, &upper);
             }
             let at = 3 * a;
-            let (xx, yx, yy) = (scale * x[at], scale * y[at], scale * y[at + 1]);
-            let (zx, zy, zz) = (scale * z[at], scale * z[at + 1], scale * z[at + 2]);
+            let (xx, yx, yy) = (x[at], y[at], y[at + 1]);
+            let (zx, zy, zz) = (z[at], z[at + 1], z[at + 2]);
             self.add_block(row, row, &[[xx, yx, zx], [yx, yy, zy], [zx, zy, zz]]);
         }
     }
 
-    /// Adds `scale` times the matrix over the coordinates of `nodes`, node by node, all of it row by row.
+    /// Adds the matrix over the coordinates of `nodes`, node by node, all of it row by row.
     ///
     /// # Panics
     /// If the length is not (3n)², or a pair of the nodes is not in the pattern.
-    pub fn add(&mut self, nodes: &[usize], entries: &[f64], scale: f64) {
+    pub fn add(&mut self, nodes: &[usize], entries: &[f64]) {
         let size = 3 * nodes.len();
         assert_eq!(entries.len(), size * size, "entries over {} nodes", nodes.len());
         for (a, &row) in nodes.iter().enumerate() {
             for (b, &column) in nodes.iter().enumerate() {
                 let block = std::array::from_fn(|i| {
                     let at = (3 * a + i) * size + 3 * b;
-                    [scale * entries[at], scale * entries[at + 1], scale * entries[at + 2]]
+                    [entries[at], entries[at + 1], entries[at + 2]]
                 });
                 self.add_block(row, column, &block);
             }

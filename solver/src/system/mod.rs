@@ -5,6 +5,7 @@
 //! [`DirectSolver`], which factorises it, or by [`solve_iteratively`], whose memory grows with the number of equations only.
 
 mod choice;
+mod condition;
 mod contact_rows;
 mod equations;
 mod error;
@@ -19,6 +20,7 @@ mod solver;
 mod stiff;
 
 pub use choice::{LinearReport, LinearSolver, LinearSolverChoice, LinearSystem};
+use condition::irregular;
 pub use contact_rows::SavedRows;
 pub use equations::Equations;
 pub use error::SystemError;
@@ -27,5 +29,4 @@ pub use matrix::BlockMatrix;
 pub use multigrid::Geometry;
 pub use operator::Operator;
 pub use pattern::BlockPattern;
-use solver::irregular;
 pub use solver::{DirectSolver, Method, SolveReport, Symmetry};

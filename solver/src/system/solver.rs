@@ -6,6 +6,7 @@ use faer::Par;
 use faer::sparse::linalg::LuError;
 use faer::sparse::{SparseColMatRef, SymbolicSparseColMatRef};
 
+use super::condition::{growth, largest, probe, row_norm};
 use super::factor::{GeneralFactor, SymmetricFactor};
 use super::{BlockMatrix, BlockPattern, Equations, SystemError};
 
@@ -92,6 +93,11 @@ impl DirectSolver {
         self.is_probed = false;
     }
 
+    #[cfg(test)]
+    pub(crate) fn is_probed(&self) -> bool {
+        self.is_probed
+    }
+
     /// Factorises the part of `matrix` that belongs to the free equations.
     ///
     /// # Errors
@@ -113,9 +119,9 @@ impl DirectSolver {
             self.is_probed = false;
             self.structure = Some(Structure::new(matrix.pattern(), equations)?);
         }
-        let Some(structure) = &self.structure else { return Ok(()) };
+        let Some(structure) = &self.structure else { unreachable!("it was made above") };
         structure.gather(matrix, &mut self.values)?;
-        self.norm = structure.norm(&self.values);
+        self.norm = row_norm(&structure.rows, &self.values, structure.equations.len());
         if equations.is_empty() {
             self.current = Some(Method::Symmetric);
             return Ok(());
@@ -168,7 +174,7 @@ impl DirectSolver {
             report = self.solve_refined(method)?;
         }
         if !(report.residual <= ACCEPTABLE) {
-            let condition = self.growth(&self.solution, &self.rhs);
+            let condition = growth(self.norm, &self.solution, &self.rhs);
             self.current = None;
             return Err(self.singular(report.residual, condition));
         }
@@ -181,7 +187,7 @@ impl DirectSolver {
     /// Whether the symmetric factors are made and may be used.
     fn factorise_symmetric(&mut self) -> Result<bool, SystemError> {
         let par = self.parallelism();
-        let Some(structure) = &self.structure else { return Ok(false) };
+        let Some(structure) = &self.structure else { unreachable!("it was made before its factors") };
         let equations = structure.equations.len();
         let too_large = SystemError::TooLarge { equations };
         let factor = match &mut self.symmetric {
@@ -196,9 +202,8 @@ impl DirectSolver {
         if !self.is_probed {
             let probe = probe(equations);
             self.candidate.clone_from(&probe);
-            let Some(factor) = &mut self.symmetric else { return Ok(false) };
             factor.solve(&mut self.candidate, par).map_err(|_| too_large)?;
-            if !(self.growth(&self.candidate, &probe) < SINGULAR) {
+            if !(growth(self.norm, &self.candidate, &probe) < SINGULAR) {
                 return Ok(false);
             }
             self.is_probed = true;
@@ -211,7 +216,7 @@ impl DirectSolver {
     fn factorise_general(&mut self, residual: f64) -> Result<(), SystemError> {
         self.current = None;
         let par = self.parallelism();
-        let Some(structure) = &self.structure else { return Ok(()) };
+        let Some(structure) = &self.structure else { unreachable!("it was made before its factors") };
         let equations = structure.equations.len();
         let too_large = SystemError::TooLarge { equations };
         let factor = match &mut self.general {
@@ -226,7 +231,7 @@ impl DirectSolver {
         let probe = probe(equations);
         self.candidate.clone_from(&probe);
         factor.solve(&mut self.candidate, par).map_err(|_| too_large)?;
-        let condition = self.growth(&self.candidate, &probe);
+        let condition = growth(self.norm, &self.candidate, &probe);
         if !(condition < SINGULAR) {
             return Err(self.singular(residual, condition));
         }
@@ -270,12 +275,6 @@ impl DirectSolver {
             }
         }
         Ok(SolveReport { residual: best, method })
-    }
-
-    /// ‖K‖ ‖x‖ / ‖b‖, a lower bound of the condition if K x = b.
-    fn growth(&self, x: &[f64], b: &[f64]) -> f64 {
-        let growth = self.norm * largest(x) / largest(b);
-        if growth.is_nan() { f64::INFINITY } else { growth }
     }
 
     fn singular(&self, residual: f64, condition: f64) -> SystemError {
@@ -354,15 +353,6 @@ impl Structure {
         self.starts.windows(2).map(|ends| ends[0] as usize..ends[1] as usize).enumerate()
     }
 
-    /// The maximum norm.
-    fn norm(&self, values: &[f64]) -> f64 {
-        let mut sums = vec![0.0; self.equations.len()];
-        for (&row, value) in self.rows.iter().zip(values) {
-            sums[row as usize] += value.abs();
-        }
-        largest(&sums)
-    }
-
     fn diagonal(&self, values: &[f64]) -> Vec<f64> {
         self.columns()
             .map(|(column, entries)| {
@@ -382,27 +372,6 @@ impl Structure {
             }
         }
     }
-}
-
-/// A load without order: it finds the modes of rigid bodies, which loads in equilibrium leave alone.
-fn probe(equations: usize) -> Vec<f64> {
-    (0..equations).map(irregular).collect()
-}
-
-/// A number in [−1, 1) without visible order, always the same for the same index.
-pub(super) fn irregular(index: usize) -> f64 {
-    let mut bits = (index as u64 + 1).wrapping_mul(0x9e37_79b9_7f4a_7c15);
-    bits = (bits ^ (bits >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-    bits = (bits ^ (bits >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-    ((bits ^ (bits >> 31)) >> 11) as f64 / (1_u64 << 52) as f64 - 1.0
-}
-
-/// The maximum norm; NaN if an entry is.
-fn largest(values: &[f64]) -> f64 {
-    values.iter().fold(0.0, |largest, value| {
-        let modulus = value.abs();
-        if modulus > largest || modulus.is_nan() { modulus } else { largest }
-    })
 }
 
 /// Euclidean, of numbers of any size.

@@ -209,7 +209,7 @@ impl Problem {
         self.solid.evaluate(&self.positions, &self.states, Order::Tangent, &mut self.response).unwrap();
         self.matrix.clear();
         for element in self.solid.responses(&self.response) {
-            self.matrix.add_symmetric(element.nodes, element.tangent, 1.0);
+            self.matrix.add_symmetric(element.nodes, element.tangent);
         }
     }
 }

@@ -1,9 +1,11 @@
 //! Small systems, solved directly: the coarsest level, and what stiff contact couples.
 
 use faer::Par;
+use faer::sparse::linalg::LuError;
 use faer::sparse::{SparseColMatRef, SymbolicSparseColMatRef};
 
 use super::sparse::Sparse;
+use crate::system::condition::{growth, probe, row_norm};
 use crate::system::factor::{GeneralFactor, SymmetricFactor};
 use crate::system::{Symmetry, SystemError};
 
@@ -28,7 +30,7 @@ impl<const N: usize> Bottom<N> {
     /// Factorises. `equations`: those of the finest level, for messages.
     ///
     /// # Errors
-    /// A pivot that is zero to rounding; factors that do not fit into memory.
+    /// A pivot that is zero to rounding, or a condition that leaves no digit; factors that do not fit into memory.
     pub fn new(
         matrix: &Sparse<N, N>,
         active: &[[bool; N]],
@@ -73,16 +75,7 @@ impl<const N: usize> Bottom<N> {
                 }
                 Factor::Symmetric(factor)
             }
-            Symmetry::General => {
-                let mut factor = GeneralFactor::new(symbolic).map_err(|_| too_large)?;
-                factor.factorise(csc, Par::Seq).map_err(|error| match error {
-                    faer::sparse::linalg::LuError::SymbolicSingular { .. } => {
-                        SystemError::Singular { equations, residual: 1.0, condition: f64::INFINITY }
-                    }
-                    faer::sparse::linalg::LuError::Generic(_) => too_large,
-                })?;
-                Factor::General(factor)
-            }
+            Symmetry::General => Factor::General(general(csc, row_norm(&rows, &values, size), equations)?),
         };
         Ok(Self { factor, places, nodes: active.len(), equations })
     }
@@ -106,4 +99,27 @@ impl<const N: usize> Bottom<N> {
         }
         Ok(solution)
     }
+}
+
+/// Factors of a matrix of this norm. Of their pivots nothing is known: a load without order tells whether they are of use.
+fn general(
+    matrix: SparseColMatRef<'_, u32, f64>,
+    norm: f64,
+    equations: usize,
+) -> Result<GeneralFactor, SystemError> {
+    let too_large = SystemError::TooLarge { equations };
+    let singular = |condition| SystemError::Singular { equations, residual: 1.0, condition };
+    let mut factor = GeneralFactor::new(matrix.symbolic()).map_err(|_| too_large)?;
+    factor.factorise(matrix, Par::Seq).map_err(|error| match error {
+        LuError::SymbolicSingular { .. } => singular(f64::INFINITY),
+        LuError::Generic(_) => too_large,
+    })?;
+    let load = probe(matrix.ncols());
+    let mut answer = load.clone();
+    factor.solve(&mut answer, Par::Seq).map_err(|_| too_large)?;
+    let condition = growth(norm, &answer, &load);
+    if !load.is_empty() && !(condition < 1.0 / SMALL_PIVOT) {
+        return Err(singular(condition));
+    }
+    Ok(factor)
 }

@@ -23,7 +23,7 @@ impl From<u32> for Carrier {
 }
 
 /// A point Σ w_k x_k with Σ w_k = 1, carried along by nodes and their images.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct AffinePoint {
     /// Carriers, ascending, with their weights.
     terms: Vec<(Carrier, f64)>,

@@ -365,6 +365,24 @@ fn elements_taken_out_are_those_of_the_interface_and_of_ad() {
     }
 }
 
+/// Domains lie in the first configuration, whenever planes are given.
+#[test]
+fn planes_given_later_find_the_same_domains() {
+    let mesh = grid(6, 6, |x, y| [x, y, 0.05 * x * x]);
+    let slaves: Vec<Point> = (0..20).map(|k| [0.2 * f64::from(k), 0.15 * f64::from(k), 0.9]).collect();
+    let planes = [SymmetryPlane::across(0, [0.0; 3])];
+    let stretched = |x: &Point| [1.3 * x[0], 0.8 * x[1], x[2]];
+    let positions: Vec<Point> = mesh.0.iter().chain(&slaves).map(stretched).collect();
+    let [mut before, mut after] =
+        [&planes[..], &[]].map(|planes| interface(&mesh, &slaves, options(Weight::Cubic), planes));
+    after.update(&positions).unwrap();
+    after.set_symmetry(&planes).unwrap();
+    for interface in [&mut before, &mut after] {
+        interface.renew_pairing(&positions).unwrap();
+    }
+    assert_eq!(gaps(&mut before), gaps(&mut after));
+}
+
 #[test]
 fn planes_through_the_surface_are_refused() {
     let mesh = wavy(5, 0.0);

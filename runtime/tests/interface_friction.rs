@@ -269,7 +269,7 @@ fn facets_draw_anchors_along_from_one_to_the_next() {
     assert_eq!(other.forces(), pressed.forces());
     // Facets have no images.
     let point = AffinePoint::new([(Carrier { node: 0, image: Some(0) }, 1.0)]).unwrap();
-    let anchor = Some(Anchor { point, ..Anchor::default() });
+    let anchor = Some(Anchor::new(point));
     let refused = other.interface.set_anchors(Some(vec![anchor; 5])).unwrap_err();
     assert_eq!(refused.code(), "foreign-carrier");
 }
@@ -445,7 +445,7 @@ fn what_is_no_history_is_refused() {
     let kept = pressed.interface.anchors().unwrap().to_vec();
     let anchor = |carrier: Carrier| {
         let point = AffinePoint::new([(carrier, 1.0)]).unwrap();
-        Some(vec![Some(Anchor { point, ..Anchor::default() }), None, None, None, None])
+        Some(vec![Some(Anchor::new(point)), None, None, None, None])
     };
     let opened = |opening: f64| {
         let mut anchors = kept.clone();

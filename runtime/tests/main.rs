@@ -21,6 +21,7 @@ mod interface_pairing;
 #[cfg(feature = "ad")]
 mod interface_robustness;
 mod interface_where;
+mod kept_lists;
 mod neighbourhood_cases;
 mod neighbourhood_fits;
 mod neighbourhood_layers;

@@ -216,8 +216,12 @@ fn a_window_too_narrow_says_so_and_gives_no_other_number() {
     for (moved, expected) in [(0.09, 0), (0.11, 3)] {
         let mut positions = part.positions.clone();
         positions[40][2] += moved;
-        let report = part.interface.renew_pairing(&positions).unwrap();
+        let report = part.interface.refresh_pairing(&positions).unwrap();
         assert_eq!(report.without.get("beyond-window").copied().unwrap_or(0), expected);
+        part.interface.follow(&positions).unwrap();
+        let contacts = part.interface.evaluate(Mode::Value).unwrap();
+        let beyond = |outcome| matches!(outcome, Outcome::None(NoContact::BeyondWindow { .. }));
+        assert_eq!(contacts.iter().filter(|contact| beyond(contact.outcome)).count(), expected);
     }
 }
 
@@ -259,6 +263,45 @@ fn a_slide_across_all_parts_is_that_of_the_whole() {
             assert_eq!(compare(&whole, part, places), 0);
         }
     }
+}
+
+/// Lists that are kept, in a window as of the whole: slaves come nearer to what lies beyond the limit and beyond the window.
+#[test]
+fn lists_kept_in_a_window_have_the_bits_of_the_whole() {
+    let case = Case::new(&[]);
+    let mut random = Uniform(5);
+    let mut whole = case.mesh.scene(&case.slaves, case.options);
+    let all: Vec<usize> = (0..case.slaves.len()).collect();
+    // One by one, since lists are kept of all slaves or of none.
+    let mut kept = 0;
+    for &k in all.iter().step_by(5) {
+        let start = case.slaves[k];
+        let mut slave = [start[0], start[1], start[2] + LIMIT];
+        let boxes = boxes_around(&[slave], 1.05 * LIMIT, 1);
+        whole.interface.update(&whole.positions).unwrap();
+        let window = whole.interface.window(&boxes, 0.01).unwrap();
+        let mut part = part(&window, &[slave], &whole.positions, case.options);
+        for _ in 0..40 {
+            slave = [slave[0] + 0.02 * random.signed(), slave[1] + 0.02 * random.signed(), slave[2] - 0.01];
+            let last = part.positions.len() - 1;
+            part.positions[last] = slave;
+            whole.positions[whole.first + k] = slave;
+            kept += usize::from(!part.interface.refresh_pairing(&part.positions).unwrap().rebuilt);
+            whole.interface.renew_pairing(&whole.positions).unwrap();
+            let [found, expected] =
+                [(&mut part.interface, 0), (&mut whole.interface, k)].map(|(interface, k)| {
+                    let contact = interface.evaluate(Mode::Value).unwrap().get(k);
+                    (contact.outcome, contact.point.gap.to_bits())
+                });
+            let is_same = match (found.0, expected.0) {
+                (Outcome::None(NoContact::BeyondWindow { .. }), _) => true,
+                (Outcome::None(NoContact::TooFar { .. }), Outcome::None(NoContact::TooFar { .. })) => true,
+                _ => found == expected,
+            };
+            assert!(is_same, "{k} {slave:?} {found:?} {expected:?}");
+        }
+    }
+    assert!(kept > 300, "{kept}");
 }
 
 /// Slaves with multipliers of friction change windows and parts between two steps.

@@ -10,7 +10,7 @@ use super::cut::FacePoint;
 use super::quadratic::{Carrying, MOST_NODES};
 use super::skin::{Skin, SkinFace};
 use crate::affine::Carrier;
-use crate::interface::{ContactInterface, back};
+use crate::interface::{ContactInterface, InterfaceError, back, reserve};
 use crate::surface::{Facet, Image, Shape};
 use crate::vector::Vector3;
 use crate::{Mode, Point};
@@ -225,13 +225,21 @@ impl Columns<'_> {
 
 impl FaceBlock {
     /// No points yet. `memory`: of blocks of before.
-    pub fn new(view: &FaceView<'_>, mode: Mode, memory: &Mutex<Vec<Vec<f64>>>) -> Self {
+    ///
+    /// # Errors
+    /// [`InterfaceError::OutOfMemory`].
+    pub fn new(
+        view: &FaceView<'_>,
+        mode: Mode,
+        memory: &Mutex<Vec<Vec<f64>>>,
+    ) -> Result<Self, InterfaceError> {
         let (rows, columns) = (3 * view.rows.len(), 3 * view.columns.len());
         let of_corners = |count: usize| std::array::from_fn(|_| vec![0.0; count]);
         let mut directions = Vec::new();
         if mode >= Mode::Hessian {
             directions = memory.lock().unwrap_or_else(PoisonError::into_inner).pop().unwrap_or_default();
             directions.clear();
+            reserve(&mut directions, rows.saturating_mul(columns))?;
             directions.resize(rows * columns, 0.0);
         }
         let mut block =
@@ -242,7 +250,7 @@ impl FaceBlock {
                 block.normals = of_corners(3 * columns);
             }
         }
-        block
+        Ok(block)
     }
 
     /// Adds a point. `over`: what carries the forces of the facet over it.

@@ -147,7 +147,7 @@ impl FaceContacts {
     /// Number of nodes that carry pressure.
     #[must_use]
     pub fn active(&self) -> usize {
-        self.blocks.len()
+        self.nodes.iter().filter(|node| node.pressure > 0.0).count()
     }
 
     /// Points of loaded faces whose line of force meets no place of the facet over them, or whose derivatives overflow, and points that have
@@ -198,7 +198,9 @@ impl FaceContacts {
         if self.mode < needed && self.nodes.iter().any(|node| node.pressure > 0.0) {
             return Err(AssemblyError::NotDerived { needed, found: self.mode });
         }
-        for (element, block) in self.blocks.iter().enumerate() {
+        // A block of each node that carries pressure.
+        let loaded = self.nodes.iter().enumerate().filter(|(_, node)| node.pressure > 0.0);
+        for ((element, _), block) in loaded.zip(&self.blocks) {
             if let Some(&node) = block.columns.last().filter(|&&node| node as usize >= nodes) {
                 return Err(AssemblyError::UnknownNode { element, node: node as usize, nodes });
             }

@@ -16,6 +16,8 @@ const OPPOSITE: f64 = -0.1;
 const SLENDER: f64 = 0.1;
 /// Of two corners the later one is smaller only below this part of the other: rounding does not decide between equal ones.
 const ALMOST: f64 = 0.99;
+/// A corner is reflex if it turns by more than this part of what the edges at it span.
+const REFLEX: f64 = 1e-9;
 /// Pieces smaller than this part of the face are rounding.
 const SMALLEST: f64 = 1e-12;
 
@@ -134,6 +136,7 @@ pub fn cut(
     let Some(view) = View::of(face) else { return 0 };
     let corners: Polygon = face.corners().iter().map(|&x| view.seen(x)).collect();
     let own = area(&corners);
+    let parts = convex_parts(corners);
     let (lower, upper) = face.bounds();
     let (lower, upper) = (Point::from(lower), Point::from(upper));
     let CutScratch { near, piece, clipped, layers } = scratch;
@@ -150,30 +153,33 @@ pub fn cut(
             continue;
         }
         let shape = index.shape(facet);
-        piece.clone_from(&corners);
         let mut over: Polygon = shape.corners().iter().map(|&x| view.seen(x)).collect();
         if faces_it {
             // From outside its own surface it runs the other way round.
             over.reverse();
         }
-        clip(piece, &over, clipped);
-        if !(area(piece) > SMALLEST * own) {
-            continue;
-        }
-        layers.push(Layer { facet, over, deepest });
-        let Some(deepest) = deepest else { continue };
-        for (place, weight) in rule_on(piece, rule(facet)) {
-            let x = view.point(place);
-            let Some(height) = height_over(&shape, x, view.normal) else { continue };
-            let Some((natural, weight)) = on_face(face, first, view.normal, (x, weight)) else { continue };
-            let is_near = height.abs() <= limit && height >= -deepest;
-            if is_near && weight.is_finite() && weight > 0.0 {
-                let Some(functions) = functions(natural) else {
-                    unplaced += 1;
+        for over in convex_parts(over) {
+            let places = places_under(&over, &parts, (rule(facet), SMALLEST * own), (piece, clipped));
+            if places.is_empty() {
+                continue;
+            }
+            layers.push(Layer { facet, over, deepest });
+            let Some(deepest) = deepest else { continue };
+            for (place, weight) in places {
+                let x = view.point(place);
+                let Some(height) = height_over(&shape, x, view.normal) else { continue };
+                let Some((natural, weight)) = on_face(face, first, view.normal, (x, weight)) else {
                     continue;
                 };
-                points.push(FacePoint { facet, natural, weight, functions });
-                seen.push((place, height));
+                let is_near = height.abs() <= limit && height >= -deepest;
+                if is_near && weight.is_finite() && weight > 0.0 {
+                    let Some(functions) = functions(natural) else {
+                        unplaced += 1;
+                        continue;
+                    };
+                    points.push(FacePoint { facet, natural, weight, functions });
+                    seen.push((place, height));
+                }
             }
         }
     }
@@ -186,6 +192,24 @@ pub fn cut(
         points.extend(all.into_iter().filter(is_first));
     }
     unplaced
+}
+
+/// Points of the parts of a face that lie under a convex polygon, with their areas. Pieces that are not larger than `smallest` have none.
+fn places_under(
+    over: &[[f64; 2]],
+    parts: &[Polygon],
+    (rule, smallest): (FaceRule, f64),
+    (piece, clipped): (&mut Polygon, &mut Polygon),
+) -> Weighted {
+    let mut places = Weighted::new();
+    for part in parts {
+        piece.clone_from(part);
+        clip(piece, over, clipped);
+        if area(piece) > smallest {
+            places.append(&mut rule_on(piece, rule));
+        }
+    }
+    places
 }
 
 /// Whether no other facet lies between a point and its facet: where layers of the master lie over one another, the nearest carries.
@@ -231,6 +255,22 @@ fn height_over(shape: &Shape, x: Vector3, normal: Vector3) -> Option<f64> {
 fn contains(polygon: &[[f64; 2]], x: [f64; 2]) -> bool {
     let count = polygon.len();
     (0..count).all(|k| cross(minus(polygon[(k + 1) % count], polygon[k]), minus(x, polygon[k])) >= 0.0)
+}
+
+/// A triangle or quadrilateral that runs counter-clockwise, cut at its reflex corner if it has one: clipping needs convex ones.
+fn convex_parts(polygon: Polygon) -> Vec<Polygon> {
+    let [a, b, c, d] = polygon[..] else { return vec![polygon] };
+    let is_reflex = |[before, corner, after]: [[f64; 2]; 3]| {
+        let (to, from) = (minus(corner, before), minus(after, corner));
+        cross(to, from) < -REFLEX * to[0].hypot(to[1]) * from[0].hypot(from[1])
+    };
+    if is_reflex([d, a, b]) || is_reflex([b, c, d]) {
+        vec![vec![a, b, c], vec![a, c, d]]
+    } else if is_reflex([a, b, c]) || is_reflex([c, d, a]) {
+        vec![vec![b, c, d], vec![b, d, a]]
+    } else {
+        vec![polygon]
+    }
 }
 
 /// Area of a polygon, positive if it runs counter-clockwise.
@@ -440,6 +480,22 @@ mod tests {
         assert_eq!(shared(&[[0.5, 0.0], [1.0, 0.5], [0.5, 1.0], [0.0, 0.5]]), 0.5);
     }
 
+    #[test]
+    fn a_quadrilateral_is_cut_at_its_reflex_corner() {
+        let dart = [[0.0, 0.0], [4.0, 0.0], [1.0, 1.0], [0.0, 4.0]];
+        for turn in 0..4 {
+            let mut corners = dart.to_vec();
+            corners.rotate_left(turn);
+            let parts = convex_parts(corners);
+            assert_eq!(parts.iter().map(|part| area(part)).collect::<Vec<_>>(), [2.0; 2], "{parts:?}");
+            assert!(parts.iter().all(|part| contains(part, [0.3; 2]) || contains(part, [0.2, 0.1])));
+        }
+        let square = vec![[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]];
+        assert_eq!(convex_parts(square.clone()), [square]);
+        let flat = vec![[0.0, 0.0], [0.5, 0.0], [1.0, 0.0], [0.0, 1.0]];
+        assert_eq!(convex_parts(flat.clone()), [flat], "a straight corner is none");
+    }
+
     /// Faces over a grid of other facets: all of their area is found, each part over its own facet.
     #[test]
     fn the_pieces_of_a_face_make_up_its_area() {
@@ -459,7 +515,7 @@ mod tests {
             let within = |limit| Cutting { rule: &everywhere, limit, depth: &anywhere, hides_behind: true };
             cut(&face, &face, nothing, &index, within(0.5), &mut CutScratch::default(), &mut points);
             let sum: f64 = points.iter().map(|point| point.weight).sum();
-            assert!((sum - face.area_vector().norm()).abs() < 1e-5, "{sum}");
+            assert!((sum - face.area_vector().norm()).abs() < 1e-12, "{sum}");
             for point in &points {
                 let x = Point::from(face.point(point.natural));
                 let cell = |x: f64| (x / 0.7).floor() as u32;

@@ -238,7 +238,7 @@ impl FaceInterface {
     ) -> Result<Vec<FaceBlock>, InterfaceError> {
         let views: Vec<FaceView<'_>> = faces.iter().map(|&k| self.view(k, loads[k])).collect();
         let mut blocks: Vec<FaceBlock> =
-            views.iter().map(|view| FaceBlock::new(view, mode, memory)).collect();
+            views.iter().map(|view| FaceBlock::new(view, mode, memory)).collect::<Result<_, _>>()?;
         let mut scratch = PointScratch::default();
         let points = faces.iter().flat_map(|&k| self.cuts[k].points.clone());
         let present: Vec<usize> = points.filter(|&k| is_contact[k]).collect();

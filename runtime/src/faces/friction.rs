@@ -146,7 +146,8 @@ impl FaceInterface {
         for (k, (node, present)) in nodes.iter_mut().zip(present).enumerate() {
             let old = history.and_then(|tracks| tracks[k].as_ref());
             let Some(present) = present.filter(|_| node.outcome.is_contact()) else {
-                report.dropped += usize::from(old.is_some_and(|old| old.anchor.opening == 0.0));
+                let committed = self.tracks.as_ref().and_then(|tracks| tracks[k].as_ref());
+                report.dropped += usize::from(committed.is_some_and(|old| old.anchor.opening == 0.0));
                 tracks.push(None);
                 continue;
             };
@@ -341,7 +342,7 @@ impl FaceInterface {
         let point = |terms: Vec<(u32, f64)>| {
             AffinePoint::new(terms.into_iter().map(|(node, weight)| (node, weight / total))).ok()
         };
-        Some(Track { own: point(own)?, anchor: Anchor { point: point(over)?, ..Anchor::default() } })
+        Some(Track { own: point(own)?, anchor: Anchor::new(point(over)?) })
     }
 
     /// Whether a state was [accepted](Self::accept) since the history began.
@@ -357,7 +358,7 @@ impl FaceInterface {
     pub fn history(&self) -> Vec<f64> {
         let point = |track: &Option<Track>| {
             let Some(Track { own, anchor }) = track else { return [None, None] };
-            [Some(Anchor { point: own.clone(), ..Anchor::default() }), Some(anchor.clone())]
+            [Some(Anchor::new(own.clone())), Some(anchor.clone())]
         };
         self.tracks.as_deref().map_or_else(Vec::new, |tracks| {
             to_numbers(&tracks.iter().flat_map(point).collect::<Vec<Option<Anchor>>>(), |node| {

@@ -91,7 +91,7 @@ use window::FaceWindow;
 
 use crate::assembly::ContactLaw;
 use crate::interface::{ContactInterface, InterfaceError, InterfaceOptions, NoContact};
-use crate::surface::{Facet, MasterSurface, OwnSurface, SurfaceIndex, shape_of};
+use crate::surface::{Facet, MasterSurface, OwnSurface, SurfaceIndex, check_position, shape_of};
 use crate::vector::Vector3;
 use crate::{Mode, Point};
 
@@ -271,7 +271,8 @@ impl FaceInterface {
             return Err(InterfaceError::WrongNumberOfPositions { found, expected });
         }
         self.master().check_positions(positions)?;
-        Ok(self.nodes.iter().try_for_each(|&node| crate::surface::check_position(positions, node))?)
+        let mut nodes = self.nodes.iter().chain(&self.carriers.nodes);
+        Ok(nodes.try_for_each(|&node| check_position(positions, node))?)
     }
 
     /// Whether no node has moved far enough since the faces were cut for their pieces to be others.
@@ -282,7 +283,8 @@ impl FaceInterface {
         }
         let masters = self.master().nodes().iter().map(|&node| node as usize);
         let moved = |node: usize| (Vector3::from(positions[node]) - Vector3::from(cut_at[node])).norm();
-        self.nodes.iter().copied().chain(masters).all(|node| moved(node) <= HELD * self.smallest)
+        let others = self.nodes.iter().chain(&self.carriers.nodes).copied();
+        others.chain(masters).all(|node| moved(node) <= HELD * self.smallest)
     }
 
     /// All points where they are on their faces, over their facets.

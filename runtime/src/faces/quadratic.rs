@@ -161,6 +161,8 @@ impl Carrying {
 pub(super) struct Carriers {
     pub faces: Vec<Carrying>,
     pub facets: Vec<Carrying>,
+    /// All nodes that carry, ascending.
+    pub nodes: Vec<usize>,
 }
 
 impl Carriers {
@@ -187,10 +189,12 @@ impl Carriers {
                 None => Carrying::Facet(facet),
             }
         };
-        Self {
-            faces: faces.iter().map(|&face| of(face)).collect(),
-            facets: (0..master.facet_count()).map(|facet| of(master.facet(facet))).collect(),
-        }
+        let faces: Vec<Carrying> = faces.iter().map(|&face| of(face)).collect();
+        let facets: Vec<Carrying> = (0..master.facet_count()).map(|facet| of(master.facet(facet))).collect();
+        let mut nodes: Vec<usize> = faces.iter().chain(&facets).flat_map(Carrying::nodes).copied().collect();
+        nodes.sort_unstable();
+        nodes.dedup();
+        Self { faces, facets, nodes }
     }
 }
 

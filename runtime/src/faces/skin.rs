@@ -120,6 +120,8 @@ impl Skin {
             ContactElement::NodeToFacet => {
                 let extents = faces.iter().map(|face| shape_of(face, first).extent());
                 let symmetry = Symmetry::of_planes(planes, extents.fold(0.0, f64::max));
+                // Faces that stand there twice would carry twice the force.
+                MasterSurface::new(first, faces.to_vec())?;
                 Ok(Self { symmetry, straight: 0, ..Self::of(faces, |_| None) })
             }
             ContactElement::Diffuse { weight, .. } => {

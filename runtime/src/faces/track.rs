@@ -8,7 +8,7 @@ use crate::{AffinePoint, Point};
 const ON_A_LINE: f64 = 1e-10;
 
 /// The history of one node.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub(super) struct Track {
     /// x_A of the last accepted step.
     pub own: AffinePoint,

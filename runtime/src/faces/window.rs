@@ -90,8 +90,9 @@ impl FaceInterface {
     /// with the [history](Self::history) of its nodes, whose anchors have to be in the master's window, too.
     ///
     /// # Errors
-    /// As [`new`](Self::new) and [`ContactInterface::in_window`]; [`InterfaceError::OtherThanWindow`] without a limit of the distance, or
-    /// where the two windows have other planes of symmetry; [`InterfaceError::WrongNumberOfPositions`].
+    /// As [`new`](Self::new) and [`ContactInterface::in_window`]; [`InterfaceError::InvalidOption`] without a limit of the distance;
+    /// [`InterfaceError::OtherThanWindow`] where the two windows have other planes of symmetry;
+    /// [`InterfaceError::WrongNumberOfPositions`].
     pub fn in_window(
         master: &Window,
         slave: &Window,
@@ -100,7 +101,8 @@ impl FaceInterface {
     ) -> Result<Self, InterfaceError> {
         let own = InterfaceOptions { areas: false, ..options.interface };
         if own.distance_limit.is_none() {
-            return Err(InterfaceError::OtherThanWindow { what: "limit of the distance" });
+            let range = "given, for an interface over faces in a window";
+            return Err(InterfaceError::InvalidOption { name: "distance_limit", range, value: f64::NAN });
         }
         if master.setup.planes != slave.setup.planes {
             return Err(InterfaceError::OtherThanWindow { what: "symmetry of the slave" });

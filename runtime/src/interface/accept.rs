@@ -245,7 +245,8 @@ impl Evaluator<'_> {
         let accepted = self.of_all(pairings, law, pool, |slave| accept_one(slave, friction))?;
         let mut report = FrictionReport::default();
         for (k, one) in accepted.iter().enumerate() {
-            let was_closed = self.anchor(k).is_some_and(|anchor| anchor.opening == 0.0);
+            let committed = self.committed.and_then(|anchors| anchors[k].as_ref());
+            let was_closed = committed.is_some_and(|anchor| anchor.opening == 0.0);
             report.add(one.as_ref(), was_closed);
         }
         Ok((accepted.into_iter().map(|one| Some(one?.anchor)).collect(), report))

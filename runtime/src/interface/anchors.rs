@@ -12,7 +12,7 @@ use crate::surface::window::LARGEST_NUMBER;
 use crate::surface::{MasterSurface, NONE, Symmetry};
 
 /// Where a slave was on the master when the last step was accepted.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Anchor {
     /// The material point of the master that the slip is measured from: where the slave stuck, or its foot if it was open.
     pub point: AffinePoint,
@@ -23,6 +23,12 @@ pub struct Anchor {
 }
 
 impl Anchor {
+    /// Of a slave that stuck at this point.
+    #[must_use]
+    pub const fn new(point: AffinePoint) -> Self {
+        Self { point, opening: 0.0, origin: None }
+    }
+
     /// Where the slave stuck.
     pub(crate) fn stuck_at(&self) -> &AffinePoint {
         self.origin.as_ref().unwrap_or(&self.point)

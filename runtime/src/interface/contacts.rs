@@ -87,8 +87,9 @@ impl Contacts {
         mode: Mode,
         is_tracked: bool,
     ) -> Result<Slots<'_>, InterfaceError> {
+        let slots = self.slots.start(layout, 0..layout.len(), mode, is_tracked)?;
         self.layout = Arc::clone(layout);
-        self.slots.start(layout, 0..layout.len(), mode, is_tracked)
+        Ok(slots)
     }
 }
 
@@ -248,10 +249,15 @@ struct Numbers {
 }
 
 impl Numbers {
-    fn resize(&mut self, [gradients, hessians]: [usize; 2]) -> Result<NumberSlots<'_>, InterfaceError> {
-        resize(&mut self.gradients, gradients, 0.0)?;
-        resize(&mut self.hessians, hessians, 0.0)?;
-        Ok(NumberSlots { gradients: &mut self.gradients, hessians: &mut self.hessians })
+    fn reserve(&mut self, [gradients, hessians]: [usize; 2]) -> Result<(), InterfaceError> {
+        reserve(&mut self.gradients, gradients)?;
+        reserve(&mut self.hessians, hessians)
+    }
+
+    fn resize(&mut self, [gradients, hessians]: [usize; 2]) -> NumberSlots<'_> {
+        self.gradients.resize(gradients, 0.0);
+        self.hessians.resize(hessians, 0.0);
+        NumberSlots { gradients: &mut self.gradients, hessians: &mut self.hessians }
     }
 }
 
@@ -271,7 +277,7 @@ impl Default for Results {
 }
 
 impl Results {
-    /// Room for these slaves. Memory of earlier results is reused.
+    /// Room for these slaves. Memory of earlier results is reused; if there is not enough, these stay.
     pub fn start(
         &mut self,
         layout: &Layout,
@@ -280,21 +286,30 @@ impl Results {
         is_tracked: bool,
     ) -> Result<Slots<'_>, InterfaceError> {
         let Range { start, end } = range;
-        (self.mode, self.first) = (mode, start);
+        let count = end - start;
+        let slips = if is_tracked { count } else { 0 };
         let numbers = layout.numbers(start..end, mode);
-        resize(&mut self.outcomes, end - start, Outcome::None(super::NoContact::NotPaired))?;
-        resize(&mut self.points, end - start, ContactPoint::default())?;
-        resize(&mut self.derived, end - start, false)?;
-        resize(&mut self.slips, if is_tracked { end - start } else { 0 }, Tracked::default())?;
+        let of_slip = if is_tracked { numbers } else { [0; 2] };
+        reserve(&mut self.outcomes, count)?;
+        reserve(&mut self.points, count)?;
+        reserve(&mut self.derived, count)?;
+        reserve(&mut self.slips, slips)?;
+        self.of_gap.reserve(numbers)?;
+        self.of_slip.reserve(of_slip)?;
+        (self.mode, self.first) = (mode, start);
+        self.outcomes.resize(count, Outcome::None(super::NoContact::NotPaired));
+        self.points.resize(count, ContactPoint::default());
+        self.derived.resize(count, false);
+        self.slips.resize(slips, Tracked::default());
         Ok(Slots {
             mode,
             range: start..end,
             outcomes: &mut self.outcomes,
             points: &mut self.points,
             derived: &mut self.derived,
-            of_gap: self.of_gap.resize(numbers)?,
+            of_gap: self.of_gap.resize(numbers),
             slips: &mut self.slips,
-            of_slip: self.of_slip.resize(if is_tracked { numbers } else { [0; 2] })?,
+            of_slip: self.of_slip.resize(of_slip),
         })
     }
 
@@ -330,10 +345,15 @@ impl Results {
     }
 }
 
+/// Room for so many numbers.
+pub(crate) fn reserve<T>(numbers: &mut Vec<T>, length: usize) -> Result<(), InterfaceError> {
+    let more = length.saturating_sub(numbers.len());
+    numbers.try_reserve_exact(more).map_err(|_| InterfaceError::OutOfMemory { numbers: length })
+}
+
 /// New entries are `value`, old ones keep what they hold.
 pub(super) fn resize<T: Clone>(numbers: &mut Vec<T>, length: usize, value: T) -> Result<(), InterfaceError> {
-    let more = length.saturating_sub(numbers.len());
-    numbers.try_reserve_exact(more).map_err(|_| InterfaceError::OutOfMemory { numbers: length })?;
+    reserve(numbers, length)?;
     numbers.resize(length, value);
     Ok(())
 }

@@ -123,8 +123,8 @@ impl ContactInterface {
     /// neighbours on both sides. To be called before the first [`refresh_pairing`](Self::refresh_pairing). Where the master ends in
     /// a plane, that is no border.
     ///
-    /// Domains of influence are found anew, at the positions of the last update. Nobody is paired then, and the history of friction ends: both name images
-    /// in the planes of before.
+    /// Domains of influence are found anew, in the first configuration. Nobody is paired then, and the history of friction ends: both
+    /// name images in the planes of before.
     ///
     /// # Errors
     /// [`InterfaceError::Surface`] for planes that cannot be planes of symmetry; [`InterfaceError::NoSymmetry`] if masters are
@@ -138,7 +138,13 @@ impl ContactInterface {
         {
             return Err(InterfaceError::NoSymmetry);
         }
-        let index = self.master.at(&self.positions)?;
+        let mut first = self.positions.clone();
+        if let Some(nodal) = &self.nodal {
+            for (place, &node) in self.master.nodes().iter().enumerate() {
+                first[node as usize] = nodal.domains.domain(place).position;
+            }
+        }
+        let index = self.master.at(&first)?;
         // Facets have no domains, but planes all the same.
         symmetry_of(&index, planes)?;
         self.nodal = Nodal::new(&index, &self.options, planes)?;

@@ -6,9 +6,9 @@ use super::create::check_count;
 use super::evaluator::Evaluator;
 use super::nodal::symmetry_of;
 use super::pairings::Pairings;
-use super::refresh::{Compares, Refresh, RefreshScratch, SKIN};
+use super::refresh::{Compares, Refresh, RefreshScratch};
 use super::window::Knowledge;
-use super::{ContactElement, ContactInterface, InterfaceError, Listed, NoContact, RefreshReport};
+use super::{ContactElement, ContactInterface, InterfaceError, Listed, RefreshReport};
 use crate::Point;
 use crate::neighbourhood::SearchOptions;
 use crate::pairing::NearestNodes;
@@ -16,9 +16,10 @@ use crate::surface::{Creases, check_position};
 
 impl ContactInterface {
     /// Takes over the positions and pairs every slave anew; with nodal domains lists of nodes stay while nobody has moved by more
-    /// than half their skin.
+    /// than half their skin, nor so far that another sheet may be the closest one.
     ///
-    /// With nodal domains every node of the slave's sheet is listed that may come within reach, and a refresh changes no gap.
+    /// With nodal domains every node of the slave's sheet is listed that may come within reach, and a refresh changes the gap
+    /// only where another sheet has come to be the closest.
     ///
     /// By the other rules a slave is paired with the masters that the neighbour search finds among the nodes on its side of sharp
     /// edges: those reached from the closest facet over facets that meet in no edge sharper than the feature
@@ -48,9 +49,9 @@ impl ContactInterface {
         self.pair(positions, false, self.compared(), None)
     }
 
-    /// As [`update`](Self::update), but with nodal domains the lists follow: if something has moved by more than half their skin they
-    /// are made anew, which changes no gap. Returns whether they were: a pattern made for the old ones is no longer theirs. To be
-    /// called in every iteration.
+    /// As [`update`](Self::update), but with nodal domains the lists follow: if something has moved by more than half their skin, or
+    /// so far that another sheet may be the closest one, they are made anew. A slave stays with its side of the surface.
+    /// Returns whether they were made anew: a pattern made for the old ones is no longer theirs. To be called in every iteration.
     ///
     /// # Errors
     /// As [`update`](Self::update).
@@ -150,12 +151,11 @@ impl ContactInterface {
         })
     }
 
-    /// The report of a refresh that leaves the lists of nodal domains as they are, as nobody has moved by more than half the skin,
-    /// master and slave together.
+    /// The report of a refresh that leaves the lists of nodal domains as they are, as nobody has moved so far that another one is
+    /// possible, master and slave together.
     fn kept_lists(&self, positions: &[Point]) -> Option<RefreshReport> {
         let listed = self.listed.as_ref()?;
-        // Frames that are held are those of the last refresh.
-        if !self.pairings.frames.is_empty() {
+        if self.known.as_ref().is_some_and(|known| !known.holds_at(positions)) {
             return None;
         }
         let square = |node: usize| {
@@ -164,20 +164,8 @@ impl ContactInterface {
         };
         let masters =
             self.master.nodes().iter().map(|&node| square(node as usize)).fold(0.0, f64::max).sqrt();
-        let smallest = self.nodal.as_ref().map_or(0.0, |nodal| nodal.domains.shortest());
-        // Of a window without nodes.
-        let smallest = if smallest.is_finite() { smallest } else { 0.0 };
-        // Where nothing was near enough it comes near by no less than the limit.
-        let smallest = self.own.as_ref().map_or(smallest, |own| smallest.min(own.limit()));
-        let stays = |k: usize| {
-            let allowed = match self.pairings.get(k) {
-                Ok(paired) => paired.record.complete_within,
-                // Slaves without a list may get one.
-                Err(NoContact::TooFar { distance, limit }) if distance.is_finite() => distance - limit,
-                Err(_) => 0.5 * SKIN * smallest,
-            };
-            masters + square(self.pairings.layout.slave(k)).sqrt() < allowed
-        };
+        let stays =
+            |k: usize| masters + square(self.pairings.layout.slave(k)).sqrt() < self.pairings.holds[k];
         self.pairings.all().all(stays).then(|| {
             let paired = listed.report.paired;
             let without = listed.report.without.clone();

@@ -73,6 +73,7 @@ mod follow;
 mod foot;
 mod gather;
 mod linearise;
+mod listing;
 mod nodal;
 mod options;
 mod outcome;
@@ -97,7 +98,7 @@ pub use outcome::{NoContact, Outcome};
 pub use part::{PartDemands, PartFacets, SurfacePart};
 pub use report::{FallbackCounts, GapJump, RefreshReport, SlaveGap};
 
-pub(crate) use contacts::Results;
+pub(crate) use contacts::{Results, reserve};
 pub(crate) use create::{areas_of, check_slaves};
 pub(crate) use fold::back;
 pub(crate) use linearise::{LinearContacts, Second, SecondForm};

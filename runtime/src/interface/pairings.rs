@@ -16,8 +16,6 @@ pub struct Record {
     pub fallback: Fallback,
     /// The facet closest to the slave: the one whose side is outside.
     pub facet: u32,
-    /// With nodal domains: while slave and masters together have moved by less than this since, the list of masters is complete, length.
-    pub complete_within: f64,
 }
 
 /// Pairing data of all slaves.
@@ -27,6 +25,8 @@ pub struct Pairings {
     /// carriers of its anchors that are no corners.
     pub layout: Arc<Layout>,
     pub records: Vec<Result<Record, NoContact>>,
+    /// With nodal domains: while the slave and the masters together have moved by less than this, its pairing is the same, length.
+    pub holds: Vec<f64>,
     /// One frame per slave if frames are held, else none.
     pub frames: Vec<Frame>,
     /// The patch of each slave's masters, where it ends somewhere, so that a foot may lie beyond it. A node-to-facet element has
@@ -80,10 +80,11 @@ impl Pairings {
     /// Nobody is paired.
     pub fn none(slaves: Vec<usize>, areas: Vec<f64>) -> Self {
         let records = vec![Err(NoContact::NotPaired); slaves.len()];
+        let holds = vec![0.0; slaves.len()];
         let lengths = std::iter::repeat_n(0, slaves.len());
         let layout = Arc::new(Layout::new(slaves, areas, lengths, Vec::new()));
         let (patches, images) = (Lists::default(), Lists::default());
-        Self { layout, records, frames: Vec::new(), patches, places: Vec::new(), images }
+        Self { layout, records, holds, frames: Vec::new(), patches, places: Vec::new(), images }
     }
 
     /// The `k`-th slave.

@@ -6,20 +6,19 @@ use std::ops::Range;
 use crate::vector::Vector3;
 use rayon::prelude::*;
 
-use super::anchors::{append_carriers, list_carriers};
+use super::anchors::append_carriers;
 use super::contacts::Layout;
 use super::evaluator::Evaluator;
-use super::nodal::Nodal;
 use super::pairings::{Lists, Paired, Pairings, Record};
 use super::report::RefreshReport;
 use super::scratch::ElementScratch;
 use super::window::Knowledge;
 use super::{ContactElement, InterfaceError, NoContact};
-use crate::neighbourhood::{Fallback, NeighbourSearch, NeighbourhoodError, SearchOptions};
+use crate::neighbourhood::{Fallback, NeighbourSearch, SearchOptions};
 use crate::pairing::NearestNodes;
 use crate::scratch::Pool;
-use crate::surface::{Carried, Closest, Creases, Foot, Listed, NONE, SurfaceIndex, Walk};
-use crate::{Basis, Frame, Point, Weight};
+use crate::surface::{Closest, Creases, Foot, SurfaceIndex, Walk};
+use crate::{Basis, Frame, Point};
 
 /// Slaves that one thread pairs in a row.
 const CHUNK: usize = 256;
@@ -64,11 +63,11 @@ pub struct RefreshScratch {
     search: NeighbourSearch,
     walk: Walk,
     ties: Vec<Closest>,
-    masters: Vec<u32>,
-    places: Vec<u32>,
-    images: Vec<u32>,
-    patch: Vec<u32>,
-    element: ElementScratch,
+    pub(super) masters: Vec<u32>,
+    pub(super) places: Vec<u32>,
+    pub(super) images: Vec<u32>,
+    pub(super) patch: Vec<u32>,
+    pub(super) element: ElementScratch,
 }
 
 impl RefreshScratch {
@@ -86,22 +85,11 @@ impl RefreshScratch {
     }
 }
 
-impl RefreshScratch {
-    /// A pairing with nodal domains as it is.
-    fn take_over(&mut self, old: &Paired<'_>) {
-        let Self { masters, places, images, patch, .. } = self;
-        let lists = [(masters, old.masters), (places, old.places), (images, old.images), (patch, old.patch)];
-        for (own, list) in lists {
-            own.clear();
-            own.extend_from_slice(list);
-        }
-    }
-}
-
 /// The pairing of slaves near one another.
 #[derive(Default)]
 struct Chunk {
     records: Vec<Result<Record, NoContact>>,
+    holds: Vec<f64>,
     masters: Vec<u32>,
     /// Where the masters of each slave end.
     ends: Vec<usize>,
@@ -149,12 +137,14 @@ impl Refresh<'_> {
         }
         let mut masters = Vec::with_capacity(chunks.iter().map(|chunk| chunk.masters.len()).sum());
         let mut records = Vec::with_capacity(order.len());
+        let mut holds = Vec::with_capacity(order.len());
         let mut frames = Vec::new();
         let (mut patches, mut images, mut listed) = (Lists::default(), Lists::default(), Vec::new());
         chunks.iter().for_each(|chunk| report.append(&chunk.report));
         for &place in &places {
             let (chunk, own) = (&chunks[place / CHUNK], place % CHUNK);
             records.push(chunk.records[own]);
+            holds.push(chunk.holds[own]);
             masters.extend_from_slice(chunk.masters_of(own));
             frames.extend(chunk.frames.get(own));
             patches.push(chunk.patches.get(own));
@@ -163,7 +153,7 @@ impl Refresh<'_> {
         }
         let lengths = places.iter().map(|place| chunks[place / CHUNK].masters_of(place % CHUNK).len());
         let layout = Layout::new(old.slaves().to_vec(), old.areas().to_vec(), lengths, masters);
-        (Pairings { layout: layout.into(), records, frames, patches, places: listed, images }, report)
+        (Pairings { layout: layout.into(), records, holds, frames, patches, places: listed, images }, report)
     }
 
     /// Pairs the `k`-th slave and books it.
@@ -174,14 +164,17 @@ impl Refresh<'_> {
             Some(facets) => Ok(self.over(node, facets[k])),
             None => self.closest(node, old.as_ref().filter(|_| self.follows), scratch),
         };
-        let record = match (old, closest) {
-            (Some(old), closest) if self.follows && self.keeps(&old, closest.ok().as_ref()) => {
-                scratch.take_over(&old);
-                Ok(*old.record)
+        let record = closest.and_then(|closest| {
+            if self.facets.is_none() {
+                self.check_reach(node, &closest, &scratch.ties)?;
             }
-            (_, Err(reason)) => Err(reason),
-            (_, Ok(closest)) => self.pair(k, &closest, scratch),
-        };
+            self.pair(k, &closest, scratch)
+        });
+        chunk.holds.push(self.holds(
+            k,
+            closest.as_ref().map_err(|reason| *reason),
+            record.as_ref().map_err(|reason| *reason),
+        ));
         let RefreshScratch { masters, places, images, patch, element, .. } = scratch;
         let paired = record.as_ref().map_err(|reason| *reason).and_then(|record| {
             let paired = Paired { slave: node, masters, record, frame: None, patch, places, images };
@@ -234,20 +227,6 @@ impl Refresh<'_> {
         height < 0.0 && height * height > DEEP * DEEP * self.index.shape(facet).area_vector().norm()
     }
 
-    /// Whether a slave stays with its pairing within an increment: where the closest facet looks away from that of the pairing. A slave
-    /// of a surface in contact with itself also does where it lies so deep below its facet that none is a candidate.
-    fn keeps(&self, old: &Paired<'_>, closest: Option<&Closest>) -> bool {
-        let before = self.index.normals()[old.record.facet as usize];
-        match closest {
-            Some(closest) => before.dot(&self.index.normals()[closest.facet as usize]) < 0.0,
-            None => {
-                let foot = self.over(old.slave, old.record.facet);
-                let offset = Vector3::from(self.evaluator.positions[old.slave]) - foot.point;
-                self.evaluator.own.is_some() && before.dot(&offset) < 0.0
-            }
-        }
-    }
-
     /// The gap by the old pairing and the creases of before, if there is one.
     fn old_gap(&self, old: &Paired<'_>, scratch: &mut ElementScratch) -> Option<f64> {
         let evaluator = Evaluator { creases: self.old_creases, ..self.evaluator };
@@ -261,37 +240,70 @@ impl Refresh<'_> {
         Closest { facet, natural, point, distance, edges }
     }
 
-    /// The closest facet, if it is near enough and the slave not far beyond the border. `old`: the pairing that the slave follows.
+    /// The closest facet. `old`: the pairing that the slave follows, to whose side of the surface it stays.
     fn closest(
         &self,
         node: usize,
         old: Option<&Paired<'_>>,
         scratch: &mut RefreshScratch,
     ) -> Result<Closest, NoContact> {
+        let found = self.closest_of(node, old, scratch, |_| true);
+        let Some(old) = old else { return found };
+        let normals = self.index.normals();
+        let before = normals[old.record.facet as usize];
+        match found {
+            Ok(closest) if before.dot(&normals[closest.facet as usize]) < 0.0 => {
+                self.closest_of(node, Some(old), scratch, |facet| before.dot(&normals[facet as usize]) >= 0.0)
+            }
+            // So deep below its facet, in contact with itself, that none is a candidate.
+            Err(NoContact::NothingOver { .. }) => {
+                let closest = self.over(node, old.record.facet);
+                let offset = Vector3::from(self.evaluator.positions[node]) - closest.point;
+                scratch.ties.clear();
+                if before.dot(&offset) < 0.0 { Ok(closest) } else { found }
+            }
+            found => found,
+        }
+    }
+
+    /// The closest of the facets that `may` says so of.
+    fn closest_of(
+        &self,
+        node: usize,
+        old: Option<&Paired<'_>>,
+        scratch: &mut RefreshScratch,
+        may: impl Fn(u32) -> bool,
+    ) -> Result<Closest, NoContact> {
         let slave = self.evaluator.positions[node];
-        let Evaluator { creases, options, own, surface, nodal, .. } = self.evaluator;
+        let Evaluator { options, own, surface, nodal, .. } = self.evaluator;
         let ties = &mut scratch.ties;
         let own = own.map(|own| (own, surface.nodes().binary_search(&(node as u32))));
-        let closest = match (own, self.knowledge) {
-            (Some((own, Ok(place))), _) => {
-                let (domains, before) = (nodal.map(|nodal| &nodal.domains), old.map(|old| old.record.facet));
-                let found = own.closest(self.index, domains, place, before, ties);
-                found.ok_or(NoContact::NothingOver { limit: own.limit() })?
-            }
-            (_, Some(knowledge)) => knowledge.check(self.index, slave, options.distance_limit, ties)?,
+        if let Some((own, Ok(place))) = own {
+            let (domains, before) = (nodal.map(|nodal| &nodal.domains), old.map(|old| old.record.facet));
+            let found = own.closest(self.index, domains, place, before, ties, may);
+            return found.ok_or(NoContact::NothingOver { limit: own.limit() });
+        }
+        let closest = self.index.closest_where(slave, f64::INFINITY, ties, |facet, _| may(facet));
+        match self.knowledge {
+            Some(knowledge) => knowledge.check(slave, options.distance_limit, closest, ties),
             // Positions have been checked, so that there is a closest facet.
-            _ => self.index.closest_among_ties(slave, ties).ok_or(NoContact::NotPaired)?,
-        };
+            None => closest.ok_or(NoContact::NotPaired),
+        }
+    }
+
+    /// Whether the closest facet is near enough, and the slave not far beyond the border. `ties`: all that are as close.
+    fn check_reach(&self, node: usize, closest: &Closest, ties: &[Closest]) -> Result<(), NoContact> {
+        let Evaluator { creases, options, positions, .. } = self.evaluator;
         if let Some(limit) = options.distance_limit
             && closest.distance > limit
         {
             return Err(NoContact::TooFar { distance: closest.distance, limit });
         }
-        let beyond = creases.slave_beyond(self.index, slave, &scratch.ties);
+        let beyond = creases.slave_beyond(self.index, positions[node], ties);
         if beyond > FARTHEST_BEYOND + options.border_tolerance {
             return Err(NoContact::BeyondBorder { distance: beyond, tolerance: options.border_tolerance });
         }
-        Ok(closest)
+        Ok(())
     }
 
     /// The pairing of the `k`-th slave with the masters around its closest facet, which go to `scratch.masters`.
@@ -314,7 +326,6 @@ impl Refresh<'_> {
                 basis: Basis::Linear,
                 fallback: Fallback::None,
                 facet,
-                complete_within: 0.0,
             });
         }
         let slave: Point = positions[self.old.layout.slave(k)];
@@ -333,78 +344,7 @@ impl Refresh<'_> {
             basis: found.basis,
             fallback: found.fallback,
             facet,
-            complete_within: 0.0,
         })
-    }
-}
-
-/// A listed node may be outside its domain by this fraction of it: lists hold while nobody has moved by half of it.
-pub const SKIN: f64 = 0.12;
-
-impl Refresh<'_> {
-    /// Lists the nodes of the slave's sheet that may come within reach, with their images.
-    fn list(
-        &self,
-        nodal: &Nodal,
-        k: usize,
-        closest: &Closest,
-        scratch: &mut RefreshScratch,
-    ) -> Result<Record, NoContact> {
-        let node = self.old.layout.slave(k);
-        let Evaluator { surface, creases, options, .. } = self.evaluator;
-        let RefreshScratch { masters, places, images, patch, element, .. } = scratch;
-        let Closest { facet, .. } = *closest;
-        let (wanted, falls_back, weight) = match options.element {
-            ContactElement::Diffuse { search, weight, .. } => (search.basis, search.linear_fallback, weight),
-            ContactElement::NodeToFacet => (Basis::Linear, false, Weight::default()),
-        };
-        let (basis, fallback) = match (wanted, nodal.domains.carried(facet)) {
-            (Basis::Quadratic, Carried::Linear) if falls_back => {
-                (Basis::Linear, Fallback::Linear { quadratic_regularity: 0.0 })
-            }
-            (Basis::Quadratic, Carried::Quadratic) | (Basis::Linear, Carried::Linear) => {
-                (wanted, Fallback::None)
-            }
-            _ => {
-                let reason = NeighbourhoodError::NoCandidate { found: 0, needed: wanted.size() };
-                return Err(NoContact::NoCandidate { reason });
-            }
-        };
-        // A slave far beyond a border may have no place: all are listed then, and the evaluation says why there is no contact.
-        let listed = nodal.domains.listed(facet);
-        let place = self.evaluator.place_among(listed, node, facet, weight, element).ok();
-        let mut shortest = f64::INFINITY;
-        for &Listed { place: of_node, image } in listed {
-            let domain = nodal.domain(of_node, image);
-            let is_far = |place| domain.length(Vector3::from(domain.position) - place) >= 1.0 + SKIN;
-            if place.is_some_and(is_far) {
-                continue;
-            }
-            shortest = shortest.min(domain.shortest());
-            if places.last() != Some(&of_node) {
-                places.push(of_node);
-                masters.push(surface.nodes()[of_node as usize]);
-            }
-            if image != NONE {
-                images.extend([places.len() as u32 - 1, image]);
-            }
-        }
-        creases.patch_with_end(surface, facet, masters, patch);
-        list_carriers(self.evaluator.anchors_of(k), masters, places, images);
-        let complete_within = 0.5 * SKIN * shortest * self.squeezed(nodal, facet);
-        Ok(Record { support_radius: shortest, basis, fallback, facet, complete_within })
-    }
-
-    /// By how much the shortest edge of a facet has become shorter, a factor of at most 1: domains, and the skin around them, lie in the
-    /// first configuration, where a slave's place moves by as much more.
-    fn squeezed(&self, nodal: &Nodal, facet: u32) -> f64 {
-        let (shape, places) = (self.index.shape(facet), self.evaluator.surface.corners_of(facet as usize));
-        let first = |corner: usize| Vector3::from(nodal.domains.domain(places[corner] as usize).position);
-        let ratio = |edge: usize| {
-            let [from, to] = shape.edge(edge);
-            (to - from).norm() / (first((edge + 1) % places.len()) - first(edge)).norm()
-        };
-        (0..places.len()).map(ratio).fold(1.0, f64::min)
     }
 }
 

@@ -5,7 +5,7 @@ use super::{ContactElement, ContactInterface, InterfaceError, InterfaceOptions, 
 use crate::Point;
 use crate::neighbourhood::NeighbourRule;
 use crate::surface::window::{Box3, Extents, Known, Setup, Sheet, Window, WindowError, check_boxes, widened};
-use crate::surface::{Closest, Facet, SurfaceIndex, Symmetry, SymmetryPlane};
+use crate::surface::{Closest, Facet, Symmetry, SymmetryPlane};
 
 impl Setup {
     /// What domains are found with by these options, if they ask for any.
@@ -141,17 +141,26 @@ impl<'a> Knowledge<'a> {
         Self { known, holds: known.holds_at(positions) }
     }
 
-    /// The closest facet of the window, if it is that of the whole surface and within the limit of the distance.
+    /// The radius of the largest ball around a point in which every facet is known; negative outside of the window.
+    pub fn radius(&self, point: Point) -> f64 {
+        self.known.radius(self.around(point))
+    }
+
+    fn around(&self, point: Point) -> f64 {
+        if self.holds { self.known.around(point) } else { f64::NEG_INFINITY }
+    }
+
+    /// The closest facet of the window, if it is that of the whole surface and within the limit of the distance. `closest` and `ties` are
+    /// those of the window.
     pub fn check(
         &self,
-        index: &SurfaceIndex<'_>,
         slave: Point,
         limit: Option<f64>,
-        ties: &mut Vec<Closest>,
+        closest: Option<Closest>,
+        ties: &[Closest],
     ) -> Result<Closest, NoContact> {
-        let closest = index.closest_among_ties(slave, ties);
         let distance = closest.map_or(f64::INFINITY, |closest| closest.distance);
-        let known = if self.holds { self.known.around(slave) } else { f64::NEG_INFINITY };
+        let known = self.around(slave);
         let needed = self.known.needed(distance);
         let within_limit = limit.map_or(needed, |limit| needed.min(self.known.needed(limit)));
         if !(within_limit <= known) {

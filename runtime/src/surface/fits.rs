@@ -16,6 +16,10 @@ use crate::{Basis, MaterialDomain, Point, Weight};
 
 /// Where all nodes of a sheet are at hand, domains that reach so many times farther than the farthest weight all alike.
 const WIDEST: f64 = 10.0;
+/// A quadratic basis that asks for a larger factor is not carried, unless the sheet ends before: along a strip of one row of cells that is
+/// curved in its plane nodes would reach from one end to the other, and take part in the fits of the sheets beside the strip, too. Two
+/// thirds of this are enough inside, and nine tenths at corners and where the size of cells changes.
+const LARGEST_FACTOR: f64 = 4.0;
 /// Nodes are first sought so many extents of a facet around it.
 const FIRST_REACH: f64 = 3.5;
 /// The shell whose nodes say how far a search reaches, from this part of its radius on.
@@ -157,11 +161,16 @@ fn factor_at(
         let complete = scratch.look(centre, sheets.symmetry);
         let count = scratch.nodes.len();
         let is_all = count == last;
+        let farthest = scratch.nodes.last().map_or(0.0, |farthest| farthest.distance);
+        // Then what the quadratic basis asks for cannot be found among more nodes.
+        let is_decided = is_all || count > MOST_NODES || complete.min(farthest) >= LARGEST_FACTOR;
         for &carried in wanted {
-            let largest =
-                if carried == Carried::Quadratic || is_all || count > MOST_NODES { complete } else { 0.0 };
-            let widest = scratch.nodes.last().map_or(0.0, |farthest| WIDEST * farthest.distance);
+            let is_quadratic = carried == Carried::Quadratic;
+            let largest = if is_quadratic || is_decided { complete } else { 0.0 };
+            let widest = WIDEST * farthest;
             let largest = if is_all && sheets.symmetry.is_none() { widest } else { largest.min(widest) };
+            let is_long = is_quadratic && farthest > LARGEST_FACTOR;
+            let largest = if is_long { largest.min(LARGEST_FACTOR) } else { largest };
             if let Some(factor) = smallest_factor(&scratch.nodes, weight, carried, largest) {
                 return (factor, carried);
             }

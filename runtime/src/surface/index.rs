@@ -187,6 +187,11 @@ impl<'a> SurfaceIndex<'a> {
         ties.iter().find(decided).or_else(|| ties.first()).copied()
     }
 
+    /// Hands over the facets whose boxes are no farther from a point than a limit, in no order.
+    pub(crate) fn for_each_within(&self, point: Point, limit: f64, mut f: impl FnMut(u32)) {
+        self.tree.locate_within_distance(point, limit * limit).for_each(|boxed| f(boxed.data));
+    }
+
     /// The facets whose boxes meet a box, ascending.
     pub(crate) fn facets_near(&self, lower: Point, upper: Point, found: &mut Vec<u32>) {
         found.clear();

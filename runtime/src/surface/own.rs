@@ -90,8 +90,8 @@ impl OwnSurface {
         self.limit
     }
 
-    /// The closest of the facets that a node may touch; `ties` gets those that share the closest point. `before`: a facet that it
-    /// touched a moment ago. It may lie deeper below the facets around this one.
+    /// The closest of the facets that a node may touch and that `may` says so of; `ties` gets those that share the closest point.
+    /// `before`: a facet that it touched a moment ago. It may lie deeper below the facets around this one.
     pub fn closest(
         &self,
         index: &SurfaceIndex<'_>,
@@ -99,14 +99,12 @@ impl OwnSurface {
         place: usize,
         before: Option<u32>,
         ties: &mut Vec<Closest>,
+        may: impl Fn(u32) -> bool,
     ) -> Option<Closest> {
         let surface = index.surface();
+        let may_touch = self.may_touch(index, domains, place);
         let (point, normals) = (index.positions()[place], index.normals());
-        let normal = normal_at(surface, place, |facet| index.shape(facet));
         let x = Vector3::from(point);
-        let may_touch = |facet: u32| {
-            normals[facet as usize].dot(&normal) <= OPPOSITE && self.is_apart(surface, domains, place, facet)
-        };
         let around = |facet: u32| {
             let corners = |facet: u32| surface.corners_of(facet as usize);
             before.is_some_and(|before| corners(before).iter().any(|place| corners(facet).contains(place)))
@@ -116,9 +114,24 @@ impl OwnSurface {
             height >= -self.depth(surface, place, facet) || around(facet)
         };
         index.closest_where(point, self.limit, ties, |facet, foot| match foot {
-            None => may_touch(facet),
+            None => may(facet) && may_touch(facet),
             Some(foot) => is_in_front(facet, foot),
         })
+    }
+
+    /// Whether the node at a place may touch a facet, if it lies in front of it.
+    pub fn may_touch<'s>(
+        &'s self,
+        index: &'s SurfaceIndex<'_>,
+        domains: Option<&'s NodalDomains>,
+        place: usize,
+    ) -> impl Fn(u32) -> bool + 's {
+        let surface = index.surface();
+        let normal = normal_at(surface, place, |facet| index.shape(facet));
+        move |facet| {
+            index.normals()[facet as usize].dot(&normal) <= OPPOSITE
+                && self.is_apart(surface, domains, place, facet)
+        }
     }
 
     /// How deep points of one of the surface's facets may lie below another one, length; `None` if they can never touch it. That they face

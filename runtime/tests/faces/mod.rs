@@ -1,6 +1,7 @@
 //! Forces, balance and tangent of contact over faces.
 
 mod friction;
+mod input;
 mod law;
 mod layers;
 mod points;
@@ -69,9 +70,17 @@ impl Pair {
     }
 
     fn interface(&self, element: ContactElement, rule: FaceRule) -> FaceInterface {
+        self.try_interface(element, rule).unwrap()
+    }
+
+    fn try_interface(
+        &self,
+        element: ContactElement,
+        rule: FaceRule,
+    ) -> Result<FaceInterface, InterfaceError> {
         let master = MasterSurface::new(&self.positions, self.master.clone()).unwrap();
         let options = FaceOptions::new(InterfaceOptions::default().with_element(element)).with_rule(rule);
-        FaceInterface::new(master, &self.slave, &self.positions, options).unwrap()
+        FaceInterface::new(master, &self.slave, &self.positions, options)
     }
 
     fn forces(&self, contacts: &FaceContacts) -> Vec<Point> {
@@ -417,6 +426,7 @@ fn points_lie_on_the_slaves_own_smooth_surface() {
         assert_eq!(interface.straight(), 0);
         interface.refresh(&pair.positions).unwrap();
         let contacts = interface.evaluate(&ContactLaw::penalty(1.0), Mode::Value).unwrap();
+        assert!(contacts.nodes().iter().all(|node| node.outcome.is_contact()));
         contacts.nodes().iter().map(|node| node.gap.abs()).fold(0.0, crate::common::worse)
     };
     let (smooth, flat) = (worst(ContactElement::default()), worst(ContactElement::NodeToFacet));

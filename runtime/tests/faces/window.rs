@@ -422,7 +422,7 @@ fn what_takes_the_whole_is_refused() {
     };
     assert_eq!(made(&positions[1..], whole.options), "wrong-number-of-positions");
     let unlimited = FaceOptions::new(InterfaceOptions::default());
-    assert_eq!(made(&positions, unlimited), "other-than-window");
+    assert_eq!(made(&positions, unlimited), "invalid-option");
     let element = ContactElement::diffuse(diffuse_contact::neighbourhood::SearchOptions::domains());
     let other = element.with_weight(Weight::WendlandC2);
     let other = FaceOptions::new(whole.options.interface.with_element(other));

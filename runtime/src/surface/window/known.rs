@@ -34,6 +34,11 @@ impl Known {
         distance + BALL_MARGIN * distance + self.margin
     }
 
+    /// The largest distance of a closest facet that a ball of this radius is enough for.
+    pub fn radius(&self, ball: f64) -> f64 {
+        (ball - self.margin) / (1.0 + BALL_MARGIN)
+    }
+
     /// The radius of the largest ball around a point that lies in one of the boxes; negative outside of all.
     pub fn around(&self, point: Point) -> f64 {
         self.around_box([point; 2])

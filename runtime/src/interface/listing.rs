@@ -1,0 +1,164 @@
+//! Lists of the nodes that slaves may need, with nodal domains, and how far slaves and masters may move before others are listed.
+
+use super::anchors::list_carriers;
+use super::evaluator::Evaluator;
+use super::nodal::Nodal;
+use super::pairings::Record;
+use super::refresh::{Refresh, RefreshScratch};
+use super::{ContactElement, NoContact};
+use crate::neighbourhood::{Fallback, NeighbourhoodError};
+use crate::surface::{Carried, Closest, Listed, NONE};
+use crate::vector::Vector3;
+use crate::{Basis, Point, Weight};
+
+/// A listed node may be outside its domain by this fraction of it: lists hold while nobody has moved by half of it.
+const SKIN: f64 = 0.12;
+
+/// Corners as far above a facet's plane as this part of an extent lie in it.
+const EVEN: f64 = 1e-9;
+
+impl Refresh<'_> {
+    /// Lists the nodes of the slave's sheet that may come within reach, with their images.
+    pub(super) fn list(
+        &self,
+        nodal: &Nodal,
+        k: usize,
+        closest: &Closest,
+        scratch: &mut RefreshScratch,
+    ) -> Result<Record, NoContact> {
+        let node = self.old.layout.slave(k);
+        let Evaluator { surface, creases, options, .. } = self.evaluator;
+        let RefreshScratch { masters, places, images, patch, element, .. } = scratch;
+        let Closest { facet, .. } = *closest;
+        let (wanted, falls_back, weight) = match options.element {
+            ContactElement::Diffuse { search, weight, .. } => (search.basis, search.linear_fallback, weight),
+            ContactElement::NodeToFacet => (Basis::Linear, false, Weight::default()),
+        };
+        let (basis, fallback) = match (wanted, nodal.domains.carried(facet)) {
+            (Basis::Quadratic, Carried::Linear) if falls_back => {
+                (Basis::Linear, Fallback::Linear { quadratic_regularity: 0.0 })
+            }
+            (Basis::Quadratic, Carried::Quadratic) | (Basis::Linear, Carried::Linear) => {
+                (wanted, Fallback::None)
+            }
+            _ => {
+                let reason = NeighbourhoodError::NoCandidate { found: 0, needed: wanted.size() };
+                return Err(NoContact::NoCandidate { reason });
+            }
+        };
+        // A slave far beyond a border may have no place: all are listed then, and the evaluation says why there is no contact.
+        let listed = nodal.domains.listed(facet);
+        let place = self.evaluator.place_among(listed, node, facet, weight, element).ok();
+        let mut shortest = f64::INFINITY;
+        for &Listed { place: of_node, image } in listed {
+            let domain = nodal.domain(of_node, image);
+            let is_far = |place| domain.length(Vector3::from(domain.position) - place) >= 1.0 + SKIN;
+            if place.is_some_and(is_far) {
+                continue;
+            }
+            shortest = shortest.min(domain.shortest());
+            if places.last() != Some(&of_node) {
+                places.push(of_node);
+                masters.push(surface.nodes()[of_node as usize]);
+            }
+            if image != NONE {
+                images.extend([places.len() as u32 - 1, image]);
+            }
+        }
+        creases.patch_with_end(surface, facet, masters, patch);
+        list_carriers(self.evaluator.anchors_of(k), masters, places, images);
+        Ok(Record { support_radius: shortest, basis, fallback, facet })
+    }
+
+    /// By how much the shortest edge of a facet has become shorter, a factor of at most 1: domains, and the skin around them, lie in the
+    /// first configuration, where a slave's place moves by as much more.
+    fn squeezed(&self, nodal: &Nodal, facet: u32) -> f64 {
+        let (shape, places) = (self.index.shape(facet), self.evaluator.surface.corners_of(facet as usize));
+        let first = |corner: usize| Vector3::from(nodal.domains.domain(places[corner] as usize).position);
+        let ratio = |edge: usize| {
+            let [from, to] = shape.edge(edge);
+            (to - from).norm() / (first((edge + 1) % places.len()) - first(edge)).norm()
+        };
+        (0..places.len()).map(ratio).fold(1.0, f64::min)
+    }
+}
+
+impl Refresh<'_> {
+    /// How far the `k`-th slave and the masters together may move, length, before its pairing may be another one. Zero where that is
+    /// not known, and by other rules than nodal domains.
+    ///
+    /// Until then the list is complete, and no facet of another sheet comes to be the closest: that is farther away by twice as much, or
+    /// lies beyond a convex edge whose other side the slave is as much higher above.
+    pub(super) fn holds(
+        &self,
+        k: usize,
+        closest: Result<&Closest, NoContact>,
+        record: Result<&Record, NoContact>,
+    ) -> f64 {
+        let (Some(nodal), Evaluator { positions, own, .. }) = (self.evaluator.nodal, self.evaluator) else {
+            return 0.0;
+        };
+        let node = self.old.layout.slave(k);
+        let slave = positions[node];
+        let skin = match record {
+            // Where no node is listed it is infinite.
+            Ok(Record { support_radius, facet, .. }) if support_radius.is_finite() => {
+                0.5 * SKIN * support_radius * self.squeezed(nodal, *facet)
+            }
+            Err(NoContact::TooFar { distance, limit }) => {
+                let known = self.knowledge.map_or(f64::INFINITY, |knowledge| knowledge.radius(slave));
+                return distance.min(known) - limit;
+            }
+            Err(NoContact::BeyondWindow { .. }) => 0.0,
+            _ => 0.5 * SKIN * nodal.domains.shortest(),
+        };
+        if self.facets.is_some() {
+            // The facets are given.
+            return skin;
+        }
+        let distance = match (closest, own) {
+            (Ok(closest), _) => closest.distance,
+            // Where there is nothing to touch within the limit.
+            (Err(_), Some(own)) => own.limit(),
+            (Err(_), None) => return 0.0,
+        };
+        let known = self.knowledge.map_or(f64::INFINITY, |knowledge| knowledge.radius(slave) - distance);
+        let mut lead = known.min(2.0 * skin);
+        let may_touch = own.zip(self.evaluator.surface.nodes().binary_search(&(node as u32)).ok());
+        let may_touch = may_touch.map(|(own, place)| own.may_touch(self.index, Some(&nodal.domains), place));
+        self.index.for_each_within(slave, distance + lead, |facet| {
+            let is_candidate = may_touch.as_ref().is_none_or(|may_touch| may_touch(facet));
+            if is_candidate && !closest.is_ok_and(|closest| self.lists_alike(nodal, closest.facet, facet)) {
+                lead = lead.min(self.lead(slave, distance, closest.ok(), facet));
+            }
+        });
+        0.5 * lead.max(0.0)
+    }
+
+    /// Whether it makes no difference which of two facets is the closest one.
+    fn lists_alike(&self, nodal: &Nodal, facet: u32, other: u32) -> bool {
+        let corners = self.evaluator.surface.corners_of(other as usize);
+        nodal.domains.carried(facet) == nodal.domains.carried(other)
+            && corners.iter().all(|&place| nodal.domains.lists(facet, place))
+    }
+
+    /// Twice how far may be moved before another facet is the closest.
+    fn lead(&self, slave: Point, distance: f64, closest: Option<&Closest>, other: u32) -> f64 {
+        let slave = Vector3::from(slave);
+        let shape = self.index.shape(other);
+        let foot = shape.closest(slave);
+        let nearer = foot.distance - distance;
+        let Some(closest) = closest else { return nearer };
+        let corners = |facet: u32| self.evaluator.surface.corners_of(facet as usize);
+        let normal = self.index.normals()[closest.facet as usize];
+        let height = normal.dot(&(slave - closest.point));
+        let is_below = |corner: &Vector3| normal.dot(&(*corner - closest.point)) <= EVEN * shape.extent();
+        let meet = corners(closest.facet).iter().any(|place| corners(other).contains(place));
+        if height > 0.0 && meet && shape.corners().iter().all(is_below) {
+            // Over a convex edge, where facets are equally close, the one is paired whose plane is farther away.
+            nearer.max(height - self.index.normals()[other as usize].dot(&(slave - foot.point)))
+        } else {
+            nearer
+        }
+    }
+}

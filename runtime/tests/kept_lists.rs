@@ -1,0 +1,115 @@
+//! Lists that are kept from one refresh to the next: the pairing is that which the positions alone have.
+
+use diffuse_contact::interface::{ContactElement, InterfaceOptions, Outcome};
+use diffuse_contact::neighbourhood::{NeighbourRule, SearchOptions};
+use diffuse_contact::surface::Facet;
+use diffuse_contact::{Mode, Point};
+
+use crate::common::{Mesh, Scene, Uniform};
+use crate::self_contact::both;
+
+/// How the slave fares, and its gap; 0 without contact.
+fn found(scene: &mut Scene) -> (Outcome, f64) {
+    let contact = scene.interface.evaluate(Mode::Value).unwrap().get(0);
+    (contact.outcome, if contact.outcome.is_contact() { contact.point.gap } else { 0.0 })
+}
+
+/// Slaves walk about, by less than lists last, in boxes around what they meet. Returns how many refreshes kept lists, and how many made them.
+fn walk(mesh: &Mesh, options: InterfaceOptions, centre: Point, half: Point, step: f64) -> [usize; 2] {
+    let mut random = Uniform(21);
+    let mut counts = [0; 2];
+    for _ in 0..40 {
+        let mut x = [0, 1, 2].map(|axis| centre[axis] + half[axis] * random.signed());
+        let [mut kept, mut anew] = [(); 2].map(|()| mesh.paired(&[x], options));
+        for _ in 0..60 {
+            let way = [(); 3].map(|()| step * random.signed());
+            x = [0, 1, 2].map(|axis| {
+                (x[axis] + way[axis] - centre[axis]).clamp(-half[axis], half[axis]) + centre[axis]
+            });
+            kept.move_slaves(&[x]);
+            anew.move_slaves(&[x]);
+            let report = kept.refresh();
+            counts[usize::from(report.rebuilt)] += 1;
+            anew.interface.renew_pairing(&anew.positions).unwrap();
+            let [one, other] = [&mut kept, &mut anew].map(found);
+            assert!(
+                one.0 == other.0 && (one.1 - other.1).abs() < 1e-15,
+                "{x:?} {one:?} {other:?} {report:?}"
+            );
+        }
+    }
+    counts
+}
+
+#[test]
+fn at_sharp_edges_the_face_is_that_of_the_place() {
+    let block = Mesh::block([8; 3], [4.0; 3]);
+    let [kept, made] = walk(&block, InterfaceOptions::default(), [4.0, 0.3, 4.0], [0.2, 0.5, 0.2], 0.03);
+    assert!(kept > made && made > 100, "{kept} {made}");
+    // At a corner, and over nodes.
+    let [kept, made] = walk(&block, InterfaceOptions::default(), [4.0; 3], [0.2; 3], 0.03);
+    assert!(kept > 600 && made > 100, "{kept} {made}");
+}
+
+#[test]
+fn between_two_walls_the_wall_is_that_of_the_place() {
+    let low = Mesh::plane(8.0, 8.0, 1.0);
+    let mut high = low.clone();
+    high.positions.iter_mut().for_each(|x| x[2] += 0.2);
+    high.facets = high.facets.iter().map(|facet| facet.flipped()).collect();
+    let [x, y, _] = low.positions[40];
+    let half = [0.5, 0.5, 0.3];
+    let [kept, made] = walk(&both(&low, &high), InterfaceOptions::default(), [x, y, 0.1], half, 0.02);
+    assert!(kept > 600 && made > 200, "{kept} {made}");
+}
+
+#[test]
+fn where_a_basis_carries_it_is_that_of_the_place() {
+    // A square, and at its side a strip of two rows, which carry no quadratic surface.
+    let height = |x: f64| 0.1 * (0.8 * x).sin();
+    let mut mesh = Mesh::grid([9, 9], [false; 2], |s, t| [8.0 * s, 8.0 * t, height(8.0 * s)]);
+    let mut ends = [8 + 9 * 3, 8 + 9 * 4];
+    for k in 9..16 {
+        let next = [0, 1].map(|row| mesh.positions.len() + row);
+        mesh.positions.extend([3.0, 4.0].map(|y| [f64::from(k), y, height(f64::from(k))]));
+        mesh.facets.push(Facet::Quadrilateral([ends[0], next[0], next[1], ends[1]]));
+        ends = next;
+    }
+    for falls_back in [true, false] {
+        let search =
+            SearchOptions::default().with_rule(NeighbourRule::Domains).with_linear_fallback(falls_back);
+        let options = InterfaceOptions::default().with_element(ContactElement::diffuse(search));
+        let [kept, made] = walk(&mesh, options, [9.0, 3.5, 0.0], [2.5, 0.4, 0.4], 0.05);
+        assert!(kept > 300 && made > 100, "{kept} {made}");
+    }
+}
+
+/// A slave that was pushed into a thin plate stays below the side from which it came, and every node within reach is listed.
+#[test]
+fn a_slave_that_follows_below_a_side_has_the_gap_to_that_side() {
+    let wave = |[x, y, z]: Point| [x, y, z + 0.2 * (0.7 * x).sin() * (0.6 * y).cos()];
+    let mut plate = Mesh::block([16, 16, 1], [8.0, 8.0, 0.05]);
+    let is_above: Vec<bool> = plate.positions.iter().map(|x| x[2] > 0.0).collect();
+    plate.positions = plate.positions.into_iter().map(wave).collect();
+    let mut side = plate.clone();
+    side.facets.retain(|facet| facet.corners().iter().all(|&node| is_above[node]));
+    let place = |depth: f64, x: f64| wave([x, 0.4 * x, 0.05 - depth]);
+    let options = InterfaceOptions::default();
+    let [mut of_plate, mut of_side] = [&plate, &side].map(|mesh| mesh.paired(&[place(-0.01, -2.0)], options));
+    for step in 0..=100 {
+        let slave = place(0.07, -2.0 + 0.04 * f64::from(step));
+        for scene in [&mut of_plate, &mut of_side] {
+            scene.move_slaves(&[slave]);
+            scene.interface.follow(&scene.positions).unwrap();
+        }
+        let [one, other] = [&mut of_plate, &mut of_side].map(found);
+        assert!(one.0.is_contact(), "{slave:?} {:?}", one.0);
+        assert!((one.1 - other.1).abs() < 1e-12, "{slave:?} {one:?} {other:?}");
+    }
+    // Paired anew, it has come out below.
+    let slave = place(0.07, 2.0);
+    of_plate.move_slaves(&[slave]);
+    of_plate.refresh();
+    let gap = of_plate.interface.evaluate(Mode::Value).unwrap().get(0).point.gap;
+    assert!((gap + 0.03).abs() < 0.005, "{gap}");
+}

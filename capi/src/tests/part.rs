@@ -286,9 +286,9 @@ fn parts_refuse_what_is_none() {
             assert!(status == DC_BAD_OPTION && (boxes, count) == ([7.0; 6], 7), "{reach}: {}", message());
         }
         assert_eq!(dc_extents(x, 3, null(), 0, null_mut()), DC_BAD_POINTER);
-        let corners = [0, 1, 3, -1];
-        let status = dc_extents(x, 3, corners.as_ptr(), 1, boxes.as_mut_ptr());
-        assert!(status == DC_OUT_OF_RANGE && boxes == [7.0; 6], "{}", message());
+        let (corners, mut extents) = ([0, 1, 3, -1], [7.0; 7]);
+        let status = dc_extents(x, 3, corners.as_ptr(), 1, extents.as_mut_ptr());
+        assert!(status == DC_OUT_OF_RANGE && extents == [7.0; 7], "{}", message());
     }
     assert_eq!(dc_part_destroy(part), DC_OK);
     assert_eq!(dc_part_destroy(part), DC_BAD_HANDLE);

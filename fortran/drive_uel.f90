@@ -184,7 +184,7 @@ contains
                     stiffness(k, k) = stiffness(k, k) + spring
                 end do
             end do
-            if (maxval(abs(residual)) < tolerance) then
+            if (all(abs(residual) < tolerance)) then
                 is_converged = iterations_done
                 return
             end if
@@ -236,6 +236,8 @@ contains
                 moved(k) = u(k, e) - step
                 call call_uel(e, 5, moved, history(:, e), forces(:, 2), unused, state)
                 moved = -(forces(:, 1) - forces(:, 2))/(2*step)
+                ! A maximum leaves out what is no number.
+                if (.not. all(abs(moved - tangent(:, k)) <= huge(1d0))) call fail('a force or a tangent is no number')
                 worst = max(worst, maxval(abs(moved - tangent(:, k)))/maxval(abs(tangent)))
             end do
         end do
@@ -284,7 +286,7 @@ contains
             if (kinds(j) == 2) then
                 if (any(forces /= 0)) call fail('LFLAGS(3) = 2 of a perturbation is the stiffness alone')
             else
-                if (.not. maxval(abs(forces - expected)) < limit) call fail('the force of a perturbation is -K DU')
+                if (.not. all(abs(forces - expected) < limit)) call fail('the force of a perturbation is -K DU')
             end if
             if (kinds(j) == 1 .or. kinds(j) == 2) then
                 if (any(tangent /= whole)) call fail('the stiffness of a perturbation is that of the base state')
@@ -294,7 +296,7 @@ contains
         end do
         ! The change of the energy, to second order; the first order is the force itself.
         call call_any(1, 100, 1, coords(:, :, 1), u(:, 1), changes, props, state, forces, tangent)
-        if (abs(energy(2) + dot_product(residual_there + 0.5d0*expected(:, 1), changes(:, 1))) > 1d-12*maxval(abs(whole))) &
+        if (.not. abs(energy(2) + dot_product(residual_there + 0.5d0*expected(:, 1), changes(:, 1))) <= 1d-12*maxval(abs(whole))) &
             call fail('the energy of a perturbation')
         ! Two right-hand sides in a general step: the second one is the increment of the load.
         state = history(:, 1)
@@ -324,7 +326,7 @@ contains
         call call_any(1, 1, 0, coords(:, :, 1), u(:, 1), none, told, state, other, unused)
         if (any(other /= forces)) call fail('PROPS(7) is no matter of the force')
         other = forces/state(10)
-        if (.not. maxval(abs(unused - props(1)*matmul(other, transpose(other)))) < 1d-12*props(1)) &
+        if (.not. all(abs(unused - props(1)*matmul(other, transpose(other))) < 1d-12*props(1))) &
             call fail('PROPS(7) = 1 is Gauss-Newton')
         if (maxval(abs(unused - tangent)) < 1d-6*props(1)) call fail('PROPS(7) = 0 is the exact tangent')
         ! PROPS(3), the weights: three surfaces, each with its own tangent.
@@ -393,7 +395,7 @@ contains
         end do
         slope = -(forces(:, 1, 1) - forces(:, 1, 2))/(2*step)
         if (all(slope == 0)) call fail('there is no force')
-        if (.not. maxval(abs(matmul(tangent, direction) - slope)) < 1d-7*maxval(abs(tangent))) &
+        if (.not. all(abs(matmul(tangent, direction) - slope) < 1d-7*maxval(abs(tangent)))) &
             call fail('the tangent is not the slope of the force')
     end subroutine
 

@@ -281,13 +281,13 @@ contains
         do i = 1, 15
             do e = 1, elements
                 call call_uel(contacts(e), e)
-                ! The whole keeps the state at the start of an increment, and is refreshed in each iteration. It knows more than a window.
+                ! It knows more than a window.
                 if (pnewdt < 1 .and. all(abs(contacts(e)%amatrx) <= 0)) return
                 call compare_with_whole(contacts(e), e, law)
                 residual(:, e) = contacts(e)%rhs(1:3) + spring*(pull(total + dt, e) - u(:, e))
             end do
             if (pnewdt < 1) return
-            if (maxval(abs(residual)) < tolerance) then
+            if (all(abs(residual) < tolerance)) then
                 found = i
                 return
             end if
@@ -371,17 +371,15 @@ contains
         type(contact_element), intent(in) :: element
         integer, intent(in) :: e
         type(dc_law), intent(in) :: law
-        real(8) :: forces(3*total_nodes), now(3, size(element%nodes)), points(3, total_nodes)
+        real(8) :: forces(3*total_nodes)
         integer :: place(3*total_nodes), k
         integer(c_int32_t), allocatable :: rows(:), columns(:)
         real(8), allocatable :: values(:), matrix(:, :)
         integer(c_size_t) :: count
 
-        now = element%coords + reshape(displacements(element, e, moved, u), shape(now))
-        points(:, :masters) = moved
-        ! COORDS + U is what the element knows.
-        points(:, element%nodes) = now
-        call expect(dc_refresh(element%whole, points, int(total_nodes, c_size_t)))
+        ! As the element: each call begins at the start of the increment.
+        call expect(dc_refresh(element%whole, known(element, e, before, accepted), int(total_nodes, c_size_t)))
+        call expect(dc_follow(element%whole, known(element, e, moved, u), int(total_nodes, c_size_t)))
         call expect(dc_evaluate(element%whole, int(DC_HESSIAN, c_int32_t)))
         forces = 0
         call expect(dc_add_forces(element%whole, law, forces, int(3*total_nodes, c_size_t)))
@@ -409,6 +407,17 @@ contains
         if (any(matrix /= element%amatrx)) call fail('the stiffness is another one than that of the whole surface')
     end subroutine
 
+    !> All nodes, those of the element at COORDS + U.
+    function known(element, e, master, slave) result(points)
+        type(contact_element), intent(in) :: element
+        integer, intent(in) :: e
+        real(8), intent(in) :: master(:, :), slave(:, :)
+        real(8) :: points(3, total_nodes)
+
+        points(:, :masters) = master
+        points(:, element%nodes) = element%coords + reshape(displacements(element, e, master, slave), [3, size(element%nodes)])
+    end function
+
     !> Coulomb's law, and what SVARS say of it.
     subroutine check_state(element, slid, stuck)
         type(contact_element), intent(in) :: element
@@ -424,7 +433,7 @@ contains
         end if
         limit = props(10)*element%svars(10)
         if (props(12) > 0) limit = min(limit, props(12))
-        if (norm2(element%svars(5:7)) > limit*(1 + curved)) call fail('traction above the limit')
+        if (.not. norm2(element%svars(5:7)) <= limit*(1 + curved)) call fail('traction above the limit')
         select case (nint(element%svars(4)))
         case (DC_SLIP)
             slid = slid + 1
@@ -508,6 +517,8 @@ contains
             shifted(k) = at(k) - step
             call call_at(element, shifted, shifted - start, forces(:, :, 2))
             slope = -(forces(:, 1, 1) - forces(:, 1, 2))/(2*step)
+            ! A maximum leaves out what is no number.
+            if (.not. all(abs(slope - whole(:, k)) <= huge(1d0))) call fail('a force or a tangent is no number')
             worst = max(worst, maxval(abs(slope - whole(:, k)))/largest)
             if (any(abs(element%amatrx) > 0)) call fail('LFLAGS(3) = 5 is the force alone')
         end do
@@ -571,7 +582,7 @@ contains
         told_step = 0
         told_kind = 1
         if (any(element%svars /= element%history)) call fail('a perturbation leaves the base state as it is')
-        if (.not. maxval(abs(forces(:, 1) + matmul(whole, changes))) < 1d-13*maxval(abs(whole))) &
+        if (.not. all(abs(forces(:, 1) + matmul(whole, changes)) < 1d-13*maxval(abs(whole)))) &
             call fail('the force of a perturbation is -K DU')
         print '(a)', 'perturbations are linear'
     end subroutine

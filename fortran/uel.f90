@@ -7,7 +7,7 @@
 !
 ! Nodes: 1 the slave; 2 ... NNODE the candidates, every master node that may come to carry the surface under the slave in the whole
 ! analysis: all within the way it slides and two or three rows of nodes more on each side. Nodes that take no part get zeros. A
-! slave that comes to lie outside its candidates, or on their border, has no contact.
+! slave that comes to lie outside its candidates has no contact.
 !
 ! With I PROPERTIES there are facets, and what follows is said under "With facets" below. Without them masters are those of the first
 ! hull layers around the slave (DC_HULL_LAYERS): domains of influence belong to the nodes of a surface.

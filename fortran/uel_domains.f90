@@ -116,7 +116,9 @@ contains
         call make_law()
         call make_interface()
         if (has_friction) call take_history()
-        call expect(dc_refresh(interface, in_order(now), count_of(order)))
+        ! A slave that has come nearer to the back of a thin master stays on the side where the increment began.
+        call expect(dc_refresh(interface, in_order(start), count_of(order)))
+        call expect(dc_follow(interface, in_order(now), count_of(order)))
         call expect(dc_evaluate(interface, int(DC_HESSIAN, c_int32_t)))
         call look_at_contact()
         if (contact%outcome == DC_BEYOND_WINDOW) then

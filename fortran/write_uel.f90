@@ -79,15 +79,22 @@ contains
         character(len=256) :: line, keyword
         real(8) :: values(8)
         integer :: unit, status, count
+        logical :: is_comment
 
         keyword = ''
         open (newunit=unit, file=file, status='old', action='read', iostat=status)
         if (status /= 0) call fail('there is no file '//trim(file))
         do
-            read (unit, '(a)', iostat=status) line
-            if (status /= 0) exit
+            read (unit, '(a)', advance='no', iostat=status) line
+            if (status /= 0 .and. .not. is_iostat_eor(status)) exit
             line_number = line_number + 1
-            if (line(1:2) == '**' .or. line == '') cycle
+            is_comment = line(1:2) == '**'
+            ! The end of the line has not come.
+            if (status == 0) then
+                if (.not. is_comment) call fail('256 characters or more: line ', line_number)
+                read (unit, '()', iostat=status)
+            end if
+            if (is_comment .or. line == '') cycle
             if (line(1:1) == '*') then
                 keyword = adjustl(line)
                 cycle
@@ -103,6 +110,7 @@ contains
         character(len=*), intent(in) :: line
         real(8), intent(out) :: values(:)
         integer, intent(out) :: count
+        character(len=len(line)) :: word
         integer :: from, comma, status
 
         from = 1
@@ -112,7 +120,10 @@ contains
             if (comma == 0) comma = len(line) - from + 2
             count = count + 1
             if (count > size(values)) call fail('too many numbers: line ', line_number)
-            read (line(from:from + comma - 2), *, iostat=status) values(count)
+            word = adjustl(line(from:from + comma - 2))
+            ! Of two words, or behind a slash or an asterisk, a list-directed read would take one and pass over the rest.
+            if (verify(trim(word), '0123456789+-.eEdD') > 0) call fail('not a number: line ', line_number)
+            read (word, *, iostat=status) values(count)
             if (status /= 0) call fail('not a number: line ', line_number)
             from = from + comma
             if (from > len(line)) exit

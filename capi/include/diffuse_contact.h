@@ -408,7 +408,7 @@ typedef struct dc_law {
     size_t size;
     // Force per length, or per length^3 where contacts carry areas; positive.
     double penalty;
-    // lambda of each slave, at least 0: the forces of the augmented Lagrangian. NULL for the penalty method.
+    // lambda of each slave, at least 0: the forces of the augmented Lagrangian. NULL, or none of them, for the penalty method.
     const double *multipliers;
     // Number of multipliers: of slaves, 1 for a single element, or 0.
     size_t multiplier_count;
@@ -416,8 +416,8 @@ typedef struct dc_law {
     int32_t tangent;
     // 0.
     int32_t reserved;
-    // Coefficient of Coulomb's friction; 0 for none. Over faces it needs nothing else. At nodes it needs DC_DIFFUSE with DC_DOMAINS, and a
-    // library that was built with it: see dc_accept. dc_element_system refuses it.
+    // Coefficient of Coulomb's friction; 0 for none. Over faces it needs nothing else. At nodes it needs DC_NODE_TO_FACET, or DC_DIFFUSE with
+    // DC_DOMAINS in a library built with it: see dc_accept. dc_element_system refuses it.
     double friction;
     // Tangential stiffness of contacts that stick, in the unit of the penalty; 0 for that of the penalty.
     double tangential_stiffness;
@@ -1093,7 +1093,8 @@ enum dc_status dc_create_in_window(struct dc_window *window,
                                    struct dc_interface **interface);
 
 // Lowest x, y, z, highest x, y, z of facets, then the largest extent of one, 7 numbers. Those of the whole surface, for dc_part_create,
-// are the least of the first three of all ranks, and the greatest of the others. Without facets they are infinite, and 0.
+// are the least of the first three of all ranks, and the greatest of the others. Without facets they are infinite, and 0. Facets are
+// checked as in dc_create, each by itself.
 //
 // # Safety
 // `positions` has 3 `node_count` entries, `facets` 4 `facet_count`; `extents` has room for 7.
@@ -1103,8 +1104,8 @@ enum dc_status dc_extents(const double *positions,
                           size_t facet_count,
                           double *extents);
 
-// Boxes around groups of points, for windows: at most `most`, 6 numbers each as in dc_window_create, reaching `reach` beyond each point.
-// `box_count` gets how many there are. Points that are not finite belong to no box.
+// Boxes around groups of points, for windows: at most `most`, 6 numbers each as in dc_window_create, reaching `reach` beyond each point,
+// finite and at least 0. `box_count` gets how many there are. Points that are not finite belong to no box.
 //
 // # Safety
 // `positions` has 3 `point_count` entries, `boxes` room for 6 `most`; `box_count` may be written.
@@ -1118,8 +1119,9 @@ enum dc_status dc_boxes_around(const double *positions,
 // Makes a part of a master surface where no rank holds the whole, in the first positions. `facets` are those that the rank owns and
 // those around them, as in dc_create; each facet of the whole surface is owned by one rank. `node_names` and `facet_names` are their
 // numbers in the whole surface. `owned` is 1 for the own facets and 0 for the others. `known`, lowest and highest x, y, z, is a box:
-// every facet that meets it is here. `extents` are those of the whole surface, see dc_extents. `planes` as in dc_set_symmetry. Of
-// `options` weight, basis and feature angle count.
+// every facet that meets it is here. `extents` are those of the whole surface, see dc_extents: finite, and around the own facets, else
+// DC_BAD_OPTION with the message "invalid-extents", if there are facets. `planes` as in dc_set_symmetry. Of `options` weight, basis and
+// feature angle count.
 //
 // Then ranks exchange dc_part_demands and call dc_part_settle, twice, and cut windows with dc_part_window. DC_BAD_OPTION with the
 // message "part-too-narrow" asks for more facets around the own ones and a larger box. On failure the handle is NULL.
@@ -1308,6 +1310,7 @@ enum dc_status dc_faces_update(struct dc_faces *faces,
 // area, its multipliers are pressures, one for each slave node; its tangent is not looked at. `mode` is a dc_mode: DC_GRADIENT for forces
 // and e F G^T, DC_HESSIAN for the exact tangent. DC_NOT_EVALUATED before the first dc_faces_refresh or dc_faces_update, and for a law
 // with friction where nodes carry pressure before dc_faces_accept. The result does not depend on the number of threads, bit for bit.
+// DC_TOO_LARGE if there is no memory for the results: there are none then. After any other refusal those of before stay.
 //
 // # Safety
 // `law` is a dc_law with its `size` set, its multipliers have their number.
@@ -1439,6 +1442,7 @@ enum dc_status dc_faces_product(struct dc_faces *faces,
                                 size_t equation_count);
 
 // The tangent K = -dR/dx as triplets, counted from 0, all of it, for it is not symmetric; entries of the same place are to be summed.
+// Entries that are exactly zero are left out, so that their number may change from one evaluation to the next.
 // `tangent` is a dc_tangent: DC_GAUSS_NEWTON leaves out what the directions of the forces add. Writes their number to `count`. If the
 // arrays are shorter, or NULL, that is all it does: call it with `capacity` 0 first.
 //

@@ -6,6 +6,7 @@ use runtime::assembly::DofMap;
 use runtime::faces::{
     FaceContacts, FaceInterface, FaceOptions, FaceReport, FaceRule, NodeContact, QuadraticFace,
 };
+use runtime::interface::InterfaceError;
 use runtime::surface::{Facet, MasterSurface};
 
 use crate::border::{self, Plain, Versioned, disjoint, input, reserve, roomy, target, wanted, wanted_report};
@@ -408,6 +409,7 @@ unsafe fn take(
 /// area, its multipliers are pressures, one for each slave node; its tangent is not looked at. `mode` is a dc_mode: DC_GRADIENT for forces
 /// and e F G^T, DC_HESSIAN for the exact tangent. DC_NOT_EVALUATED before the first dc_faces_refresh or dc_faces_update, and for a law
 /// with friction where nodes carry pressure before dc_faces_accept. The result does not depend on the number of threads, bit for bit.
+/// DC_TOO_LARGE if there is no memory for the results: there are none then. After any other refusal those of before stay.
 ///
 /// # Safety
 /// `law` is a dc_law with its `size` set, its multipliers have their number.
@@ -418,11 +420,14 @@ pub unsafe extern "C" fn dc_faces_evaluate(faces: *mut dc_faces, law: *const dc_
         // SAFETY: as the caller promises.
         let law = unsafe { law::read(law)? };
         let law = law.contact()?;
-        state.evaluated = false;
         let interface = &mut state.interface;
-        threads::run(|| interface.evaluate(&law, mode).map(drop))??;
-        state.evaluated = true;
-        Ok(())
+        let evaluated = threads::run(|| interface.evaluate(&law, mode).map(drop))?;
+        // Without memory there are no contacts; any other refusal leaves those of before.
+        state.evaluated = match &evaluated {
+            Ok(()) => true,
+            Err(error) => state.evaluated && !matches!(error, InterfaceError::OutOfMemory { .. }),
+        };
+        Ok(evaluated?)
     })
 }
 

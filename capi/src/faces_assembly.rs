@@ -68,6 +68,7 @@ pub unsafe extern "C" fn dc_faces_product(
 }
 
 /// The tangent K = -dR/dx as triplets, counted from 0, all of it, for it is not symmetric; entries of the same place are to be summed.
+/// Entries that are exactly zero are left out, so that their number may change from one evaluation to the next.
 /// `tangent` is a dc_tangent: DC_GAUSS_NEWTON leaves out what the directions of the forces add. Writes their number to `count`. If the
 /// arrays are shorter, or NULL, that is all it does: call it with `capacity` 0 first.
 ///

@@ -44,7 +44,7 @@ pub struct dc_law {
     pub size: usize,
     /// Force per length, or per length^3 where contacts carry areas; positive.
     pub penalty: f64,
-    /// lambda of each slave, at least 0: the forces of the augmented Lagrangian. NULL for the penalty method.
+    /// lambda of each slave, at least 0: the forces of the augmented Lagrangian. NULL, or none of them, for the penalty method.
     pub multipliers: *const f64,
     /// Number of multipliers: of slaves, 1 for a single element, or 0.
     pub multiplier_count: usize,
@@ -52,8 +52,8 @@ pub struct dc_law {
     pub tangent: i32,
     /// 0.
     pub reserved: i32,
-    /// Coefficient of Coulomb's friction; 0 for none. Over faces it needs nothing else. At nodes it needs DC_DIFFUSE with DC_DOMAINS, and a
-    /// library that was built with it: see dc_accept. dc_element_system refuses it.
+    /// Coefficient of Coulomb's friction; 0 for none. Over faces it needs nothing else. At nodes it needs DC_NODE_TO_FACET, or DC_DIFFUSE with
+    /// DC_DOMAINS in a library built with it: see dc_accept. dc_element_system refuses it.
     pub friction: f64,
     /// Tangential stiffness of contacts that stick, in the unit of the penalty; 0 for that of the penalty.
     pub tangential_stiffness: f64,
@@ -268,7 +268,7 @@ pub unsafe fn read<'a>(law: *const dc_law) -> Result<Law<'a>, Failure> {
         None => Some(Box::new(TabulatedPressure::new(gaps, pressures)?)),
     };
     Ok(Law {
-        multipliers: Some(multipliers).filter(|_| !given.multipliers.is_null()),
+        multipliers: Some(multipliers).filter(|own| !own.is_empty()),
         tangent: choice::read(given.tangent)?,
         normal,
         // SAFETY: as the caller promises.

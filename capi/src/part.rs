@@ -4,10 +4,11 @@ use runtime::interface::{PartDemands, PartFacets, SurfacePart, split_history};
 use runtime::surface::window::{Box3, Extents, Window, boxes_around};
 
 use crate::border::{self, disjoint, input, reserve, roomy, wanted};
+use crate::choice::flag;
 use crate::mesh::{check_nodes, facet_rows, facets_of, points, symmetry_planes};
 use crate::options::dc_options;
 use crate::registry::Registry;
-use crate::status::{DC_BAD_POINTER, DC_BAD_SIZE, DC_OUT_OF_RANGE, Failure, dc_status};
+use crate::status::{DC_BAD_OPTION, DC_BAD_POINTER, DC_BAD_SIZE, DC_OUT_OF_RANGE, Failure, dc_status};
 use crate::threads;
 use crate::window::{WINDOWS, boxes_of, dc_window};
 
@@ -45,7 +46,8 @@ unsafe fn of_length<const N: usize>(name: &str, numbers: *const f64) -> Result<[
 }
 
 /// Lowest x, y, z, highest x, y, z of facets, then the largest extent of one, 7 numbers. Those of the whole surface, for dc_part_create,
-/// are the least of the first three of all ranks, and the greatest of the others. Without facets they are infinite, and 0.
+/// are the least of the first three of all ranks, and the greatest of the others. Without facets they are infinite, and 0. Facets are
+/// checked as in dc_create, each by itself.
 ///
 /// # Safety
 /// `positions` has 3 `node_count` entries, `facets` 4 `facet_count`; `extents` has room for 7.
@@ -77,15 +79,15 @@ pub unsafe extern "C" fn dc_extents(
             known: [[0.0; 3]; 2],
             extents: Extents::NONE,
         };
-        let Extents { low: [a, b, c], high: [d, e, f], facet } = part.own_extents();
+        let Extents { low: [a, b, c], high: [d, e, f], facet } = part.own_extents()?;
         // SAFETY: as the caller promises.
         unsafe { target.write([a, b, c, d, e, f, facet]) };
         Ok(())
     })
 }
 
-/// Boxes around groups of points, for windows: at most `most`, 6 numbers each as in dc_window_create, reaching `reach` beyond each point.
-/// `box_count` gets how many there are. Points that are not finite belong to no box.
+/// Boxes around groups of points, for windows: at most `most`, 6 numbers each as in dc_window_create, reaching `reach` beyond each point,
+/// finite and at least 0. `box_count` gets how many there are. Points that are not finite belong to no box.
 ///
 /// # Safety
 /// `positions` has 3 `point_count` entries, `boxes` room for 6 `most`; `box_count` may be written.
@@ -101,6 +103,10 @@ pub unsafe extern "C" fn dc_boxes_around(
     border::call(|| {
         // SAFETY: as the caller promises.
         let around = unsafe { points(positions, point_count)? };
+        if !(reach >= 0.0 && reach.is_finite()) {
+            let message = format!("invalid-option: reach has to be finite and at least 0, not {reach}");
+            return Err(Failure::new(DC_BAD_OPTION, message));
+        }
         let found = boxes_around(around, reach, most);
         let numbers = found.as_flattened().as_flattened();
         let boxes = roomy("boxes", boxes, most.saturating_mul(6), numbers.len())?;
@@ -118,8 +124,9 @@ pub unsafe extern "C" fn dc_boxes_around(
 /// Makes a part of a master surface where no rank holds the whole, in the first positions. `facets` are those that the rank owns and
 /// those around them, as in dc_create; each facet of the whole surface is owned by one rank. `node_names` and `facet_names` are their
 /// numbers in the whole surface. `owned` is 1 for the own facets and 0 for the others. `known`, lowest and highest x, y, z, is a box:
-/// every facet that meets it is here. `extents` are those of the whole surface, see dc_extents. `planes` as in dc_set_symmetry. Of
-/// `options` weight, basis and feature angle count.
+/// every facet that meets it is here. `extents` are those of the whole surface, see dc_extents: finite, and around the own facets, else
+/// DC_BAD_OPTION with the message "invalid-extents", if there are facets. `planes` as in dc_set_symmetry. Of `options` weight, basis and
+/// feature angle count.
 ///
 /// Then ranks exchange dc_part_demands and call dc_part_settle, twice, and cut windows with dc_part_window. DC_BAD_OPTION with the
 /// message "part-too-narrow" asks for more facets around the own ones and a larger box. On failure the handle is NULL.
@@ -167,7 +174,8 @@ pub unsafe extern "C" fn dc_part_create(
                 unsafe { (of_length::<6>("known", known)?, of_length::<EXTENTS>("extents", extents)?) };
             check_nodes(positions.len())?;
             let (facets, options) = (facets_of(rows)?, options.interface()?);
-            let owned: Vec<bool> = owned.iter().map(|&is| is != 0).collect();
+            let owned = owned.iter().map(|&is| flag("owned", is));
+            let owned = owned.collect::<Result<Vec<bool>, Failure>>()?;
             let facets = PartFacets {
                 positions,
                 node_numbers: &node_numbers,

@@ -184,12 +184,14 @@ impl Faces {
         let mut this = exclusive(slf)?;
         let own = law.own(py)?;
         let law = own.law(py)?;
-        this.current = false;
         let interface = &mut this.interface;
         let evaluated = threads::run(py, || interface.evaluate(&law, mode).map(|_| ()))?;
-        evaluated.map_err(|error| error.raise(py))?;
-        this.current = true;
-        Ok(())
+        // Without memory there are no contacts; any other refusal leaves those of before.
+        this.current = match &evaluated {
+            Ok(()) => true,
+            Err(error) => this.current && !matches!(error, InterfaceError::OutOfMemory { .. }),
+        };
+        evaluated.map_err(|error| error.raise(py))
     }
 
     /// Traction, state and slip of every node.

@@ -366,7 +366,7 @@ fn fallback_name(fallback: Fallback) -> &'static str {
     }
 }
 
-pub fn dof_map(
+fn dof_map(
     py: Python<'_>,
     count: usize,
     numbers: &Bound<'_, PyArray2<i64>>,

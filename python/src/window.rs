@@ -1,16 +1,14 @@
 //! Windows of a surface and the parts they are cut from: `Window`, `SurfacePart`, and interfaces in a window.
 
 use diffuse_contact::Point;
-use diffuse_contact::assembly::DofMap;
 use diffuse_contact::interface::{ContactInterface, PartDemands, PartFacets, SurfacePart, split_history};
-use diffuse_contact::surface::SymmetryPlane;
 use diffuse_contact::surface::window::{self, Box3, Extents};
 use numpy::{PyArray1, PyArray2, PyReadonlyArray2};
 use pyo3::prelude::*;
 
 use crate::arrays::{facets, indices, points, readable, slice};
 use crate::errors::{self, Raise};
-use crate::interface::{Interface, dof_map, shared};
+use crate::interface::{Interface, dofs_of, planes, shared};
 use crate::options::Options;
 use crate::threads;
 
@@ -73,7 +71,8 @@ pub fn extents(
             extents: Extents::NONE,
         };
         part.own_extents()
-    })?;
+    })?
+    .map_err(|error| error.raise(py))?;
     Ok((low, high, facet))
 }
 
@@ -182,10 +181,7 @@ impl Part {
             extents: extents_of(extents),
         };
         let options = options.interface(py, false)?;
-        let symmetry = readable(symmetry)?;
-        let planes = points(py, &symmetry)?.as_chunks::<2>().0.iter();
-        let planes: Vec<SymmetryPlane> =
-            planes.map(|&[point, normal]| SymmetryPlane { point, normal }).collect();
+        let planes = planes(py, symmetry)?;
         let made = threads::run(py, || SurfacePart::new(&part, &options, &planes))?;
         Ok(Self { part: made.map_err(|error| error.raise(py))? })
     }
@@ -261,10 +257,7 @@ impl Interface {
             Some(array) => facets(py, &readable(array)?)?,
             None => Vec::new(),
         };
-        let dofs = match equations {
-            Some((count, numbers)) => dof_map(py, count, &numbers, positions.len())?,
-            None => DofMap::standard(positions.len()),
-        };
+        let dofs = dofs_of(py, equations, positions.len())?;
         let window = &window.window;
         let made = threads::run(py, || {
             ContactInterface::in_window(window, slaves, &slave_facets, positions, options)

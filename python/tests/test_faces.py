@@ -307,6 +307,11 @@ def test_refusals():
     with pytest.raises(dc.AssemblyError) as raised:
         faces.tangent()
     assert raised.value.code == "not-derived"
+    # A refused evaluation leaves the one before.
+    before = faces.forces()
+    with pytest.raises(dc.InterfaceError):
+        faces.evaluate(PENALTY, multipliers=np.full(25, np.nan))
+    np.testing.assert_array_equal(faces.forces(), before)
     with pytest.raises(TypeError):
         copy.copy(faces)
     assert repr(faces) == "<FaceInterface of 25 nodes, diffuse>"

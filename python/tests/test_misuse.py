@@ -131,6 +131,39 @@ def test_arrays_of_one_call_that_share_memory_are_named(elements, scene):
     np.testing.assert_array_equal(both, 1)
 
 
+def test_arrays_over_one_buffer_are_named_whatever_objects_they_belong_to(elements, scene):
+    """numpy knows of no common base, and neither does the compiled part."""
+
+    def two(count):
+        memory = bytearray(8 * count)
+        both = np.frombuffer(memory), np.frombuffer(memory)
+        both[0][:] = 1.0
+        return both
+
+    interface = scene.evaluated()
+    one, other = two(4)
+    fewer = dc.ContactInterface(
+        scene.master(), scene.slaves, scene.positions, dofs=np.vstack([np.full((84, 3), -1), [[0, 1, 2]]]), equations=4
+    )
+    fewer.refresh_pairing(scene.positions)
+    fewer.evaluate()
+    assert "multipliers and out" in refuses("overlap", fewer.forces, 1.0, multipliers=one, out=other)
+    refuses("overlap", fewer.tangent_values, 1.0, multipliers=one, out=other)
+    refuses("overlap", fewer.csr_map(fewer.tangent(1.0)).add, other, 1.0, multipliers=one)
+    np.testing.assert_array_equal(one, 1)
+    one, other = two(255)
+    refuses("overlap", interface.operator(1.0).add_product, one, other)
+    # Parts that lie beside one another are different arrays.
+    values = np.zeros(interface.pattern()[1].size + 4)
+    interface.tangent_values(1.0, multipliers=values[:4], out=values[4:])
+    assert (values[4:] != 0).any()
+    slaves, masters = elements
+    out = dc.GapBatch.empty(5, 9)
+    one, other = two(15)
+    shared = dc.GapBatch(out.gap, one.reshape(5, 3), other.reshape(5, 3), out.gradient, out.hessian, out.status)
+    assert "out.foot and out.normal" in refuses("overlap", dc.gap, slaves, masters, UP, out=shared)
+
+
 def test_sizes_are_told():
     """By the compiled part too, which checks what the package has checked once more."""
     from types import SimpleNamespace

@@ -208,8 +208,27 @@ def test_refusals():
     assert dc.Window(integers, reals) == window
     assert code(dc.Window, integers[1:], reals) == "invalid-window"
     assert code(dc.Window, integers, reals[1:]) == "invalid-window"
+    # Lists are searched, so that they are ascending.
+    wrong = integers.copy()
+    wrong[-1] = wrong[-2]
+    assert code(dc.Window, wrong, reals) == "invalid-window"
+    for reach in (-0.1, np.nan, np.inf):
+        assert code(dc.boxes_around, surface.slaves, reach) == "invalid-option"
     narrow = Part(surface, np.array([45, 46]), 1.5)
     assert code(narrow.make, narrow.extents) == "part-too-narrow"
+    nothing = dc.Extents.of(np.empty((0, 3)), np.empty((0, 4), dtype=int))
+    nan = dc.Extents(narrow.extents.low, (np.nan,) * 3, narrow.extents.facet)
+    for extents in (nothing, nan, dc.Extents(narrow.extents.low, narrow.extents.high, 0.1)):
+        assert code(narrow.make, extents) == "invalid-extents"
+    wide = Part(surface, np.arange(100), 16.0)
+    across = [(surface.nodes.mean(axis=0), [1.0, 0.0, 0.0])]
+    assert code(wide.make, wide.extents, symmetry=across) == "cut-by-symmetry"
+    part = wide.make(wide.extents)
+    demands = part.demands
+    crowded = demands.crowded.astype(int)
+    crowded[0] = 256
+    wrapped = dc.PartDemands(demands.nodes, demands.factors, crowded, demands.facets, demands.bases)
+    assert code(part.settle, [wrapped]) == "invalid-option"
     narrow.facets = -1 - narrow.facets
     assert code(narrow.make, narrow.extents) == "negative-index"
 
@@ -456,3 +475,6 @@ def test_extents_are_values():
     one = dc.Extents.of([[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 1, 2]])
     assert one.joined(one) == one and hash(one.joined(one)) == hash(one)
     assert one == dc.Extents((0.0, 0.0, 0.0), (1.0, 1.0, 0.0), 1.0)
+    for nodes, corners in ([[[0, 0, 0], [1, 0, 0], [0, np.nan, 0]], [[0, 1, 2]]], [np.eye(3), [[0, 1, 3]]]):
+        with pytest.raises(dc.SurfaceError):
+            dc.Extents.of(nodes, corners)

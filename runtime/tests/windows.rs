@@ -369,6 +369,24 @@ fn windows_of_one_surface_join_and_others_are_refused() {
     let (mut integers, reals) = one.to_numbers();
     assert!(Window::from_numbers(&integers[1..], &reals).is_err());
     assert!(Window::from_numbers(&integers, &reals[1..]).is_err());
+    // Lists are searched: the last two nodes of one change places, or are the same.
+    let last = integers.len() - 1;
+    for pair in [[1, 0], [0, 0]] {
+        let mut wrong = integers.clone();
+        [wrong[last - 1], wrong[last]] = pair.map(|k| integers[last - 1 + k]);
+        let Err(WindowError::Invalid { what: "listed node", .. }) = Window::from_numbers(&wrong, &reals)
+        else {
+            panic!("{pair:?}")
+        };
+    }
+    // Both have a list of as many nodes, in order.
+    let listed = |number: &i64| *number & i64::from(u32::MAX);
+    let mut other = integers.clone();
+    let gap =
+        (integers.len() - 20..last).rev().find(|&k| listed(&integers[k]) + 1 < listed(&integers[k + 1]));
+    other[gap.unwrap()] += 1;
+    let other = Window::from_numbers(&other, &reals).unwrap();
+    assert!(matches!(Window::joined(&[one.clone(), other]), Err(WindowError::Differs { what: "facet", .. })));
     integers[8] = integers[9];
     assert_eq!(Window::from_numbers(&integers, &reals), Err(WindowError::Invalid { what: "node", place: 1 }),);
     // A window is for the options that it was made with, and the whole cannot be had from it.
@@ -471,7 +489,7 @@ fn windows_of_parts_are_those_of_the_whole() {
             // Strips are long: the longest domain that a walk meets says how far it goes.
             let ranks: Vec<Rank> =
                 partition.iter().map(|own| Rank::new(&mesh, own, 16.0, |k| k as u64)).collect();
-            let extents = ranks.iter().map(|rank| rank.facets(Extents::NONE).own_extents());
+            let extents = ranks.iter().map(|rank| rank.facets(Extents::NONE).own_extents().unwrap());
             let extents = extents.fold(Extents::NONE, Extents::joined);
             let parts = ranks.iter().map(|rank| SurfacePart::new(&rank.facets(extents), &options, &planes));
             let mut parts: Vec<SurfacePart> = parts.map(Result::unwrap).collect();
@@ -493,7 +511,50 @@ fn windows_of_parts_are_those_of_the_whole() {
             assert_eq!(Window::joined(&windows).unwrap(), expected);
         }
         let narrow = Rank::new(&mesh, &[100, 101], 1.5, |k| k as u64);
-        let error = SurfacePart::new(&narrow.facets(Extents::NONE), &options, &[]).unwrap_err();
+        let extents = narrow.facets(Extents::NONE).own_extents().unwrap();
+        let error = SurfacePart::new(&narrow.facets(extents), &options, &[]).unwrap_err();
         assert_eq!(error, InterfaceError::Window(WindowError::TooNarrow { count: 2, facet: 100 }));
     }
+}
+
+#[test]
+fn a_part_refuses_extents_that_are_not_of_the_whole_and_planes_that_cut_it() {
+    let mesh = Mesh::grid([9, 9], [false; 2], |s, t| [8.0 * s, 8.0 * t, 0.0]);
+    let options = InterfaceOptions::default();
+    let all: Vec<usize> = (0..mesh.facets.len()).collect();
+    let rank = Rank::new(&mesh, &all, 1.0, |k| k as u64);
+    let own = rank.facets(Extents::NONE).own_extents().unwrap();
+    let made = |extents, planes: &[SymmetryPlane]| {
+        SurfacePart::new(&rank.facets(extents), &options, planes).map(drop)
+    };
+    assert_eq!(made(own, &[SymmetryPlane::across(0, [0.0; 3])]), Ok(()));
+    let cut = made(own, &[SymmetryPlane::across(0, [4.0, 0.0, 0.0])]);
+    assert_eq!(cut.unwrap_err().code(), "cut-by-symmetry");
+    let low = [f64::NAN, 0.0, 0.0];
+    let high = [8.0, 7.5, 0.0];
+    for given in
+        [Extents::NONE, Extents { low, ..own }, Extents { high, ..own }, Extents { facet: 0.5, ..own }]
+    {
+        // NaN is not equal to itself.
+        let error = made(given, &[]).unwrap_err();
+        assert!(
+            matches!(error, InterfaceError::Window(WindowError::InvalidExtents { own: held, .. }) if held == own)
+        );
+    }
+    let nothing = PartFacets { facets: &[], facet_numbers: &[], owned: &[], ..rank.facets(Extents::NONE) };
+    assert!(SurfacePart::new(&nothing, &options, &[]).is_ok());
+}
+
+#[test]
+fn extents_are_those_of_sound_facets() {
+    let mesh = Mesh::grid([3, 3], [false; 2], |s, t| [s, t, 0.0]);
+    let mut rank = Rank::new(&mesh, &[0, 1, 2, 3], 1.0, |k| k as u64);
+    let extents = rank.facets(Extents::NONE).own_extents();
+    assert_eq!(extents, Ok(Extents { low: [0.0; 3], high: [1.0, 1.0, 0.0], facet: 0.5 }));
+    rank.positions[4][1] = f64::NAN;
+    let error = rank.facets(Extents::NONE).own_extents().unwrap_err();
+    assert_eq!(error.code(), "non-finite-position");
+    rank.positions.truncate(4);
+    let error = rank.facets(Extents::NONE).own_extents().unwrap_err();
+    assert_eq!(error.code(), "node-out-of-range");
 }

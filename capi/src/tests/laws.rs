@@ -234,6 +234,12 @@ fn nodes_have_pressures_by_table() {
         let up: f64 = (36..40).map(|node| residual[3 * node + 2]).sum();
         assert!(up > 0.9 * forces.iter().sum::<f64>());
 
+        // A count of 0 says that there are no multipliers, wherever these lie.
+        let (multipliers, mut same) = ([0.0; 4], vec![0.0; 120]);
+        let none = dc_law { multipliers: multipliers.as_ptr(), ..law };
+        assert_eq!(dc_add_forces(handle, &none, same.as_mut_ptr(), 120, null_mut()), DC_OK, "{}", message());
+        assert_eq!(same, residual);
+
         // What is refused changes nothing.
         let before = residual.clone();
         let target = residual.as_mut_ptr();
@@ -245,7 +251,6 @@ fn nodes_have_pressures_by_table() {
         refused(dc_law { normal_gaps: null(), ..law }, DC_BAD_POINTER, "bad-pointer");
         refused(dc_law { normal_pressures: target, ..law }, DC_BAD_POINTER, "bad-pointer");
         refused(dc_law { normal_gaps: PRESSURES.as_ptr(), ..law }, DC_BAD_OPTION, "invalid-table");
-        let multipliers = [0.0; 4];
         let both = dc_law { multipliers: multipliers.as_ptr(), multiplier_count: 4, ..law };
         refused(both, DC_BAD_OPTION, "multipliers-of-own-law");
         refused(dc_law { coefficient: 4, ..LAW }, DC_BAD_OPTION, "invalid-option");

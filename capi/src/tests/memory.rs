@@ -1,14 +1,16 @@
-//! The caller's memory: arrays that overlap, arrays that are as they were after a refusal, patterns of other equations.
+//! The caller's memory: arrays that overlap, arrays and results that are as they were after a refusal, patterns of other equations.
 
 use std::mem::MaybeUninit;
 use std::ptr::{null, null_mut};
 
+use super::faces::{Pair, law};
 use super::misuse::{LAW, dc_report_of_size, refreshed};
 use super::{Mesh, message};
 use crate::assembly::{dc_add_forces, dc_triplets};
 use crate::batch::dc_gap_batch;
 use crate::contacts::{dc_derivatives, dc_forces, dc_gaps};
 use crate::element::{dc_element, dc_element_system, dc_gap, dc_point};
+use crate::faces::{dc_faces_contacts, dc_faces_destroy, dc_faces_evaluate, dc_faces_refresh};
 use crate::interface::{
     dc_counts, dc_destroy, dc_evaluate, dc_interface, dc_refresh, dc_report, dc_set_equations,
 };
@@ -246,4 +248,31 @@ fn a_pattern_belongs_to_its_equations() {
         assert_eq!(dc_destroy(handle), DC_OK);
         assert_eq!(dc_destroy(other), DC_OK);
     }
+}
+
+#[test]
+fn a_refused_evaluation_leaves_the_one_before() {
+    let pair = Pair::new();
+    let (_, handle) = pair.make(2);
+    let mut pressures = [[0.0; 25]; 2];
+    // SAFETY: the arrays have the lengths given.
+    unsafe {
+        let contacts = |pressures: &mut [f64; 25]| {
+            let pressures = pressures.as_mut_ptr();
+            dc_faces_contacts(handle, null_mut(), null_mut(), pressures, null_mut(), null_mut(), 25)
+        };
+        let x = pair.positions.as_ptr();
+        assert_eq!(dc_faces_refresh(handle, x, pair.nodes(), null_mut()), DC_OK, "{}", message());
+        assert_eq!(dc_faces_evaluate(handle, &law(&[]), 2), DC_OK, "{}", message());
+        assert_eq!(contacts(&mut pressures[0]), DC_OK);
+        for (wrong, status) in [
+            (dc_law { penalty: -1.0, ..law(&[]) }, DC_BAD_OPTION),
+            (dc_law { friction: 0.3, ..law(&[]) }, DC_NOT_EVALUATED),
+        ] {
+            assert_eq!(dc_faces_evaluate(handle, &wrong, 2), status, "{}", message());
+            assert_eq!(contacts(&mut pressures[1]), DC_OK, "{}", message());
+            assert!(pressures[0] == pressures[1] && pressures[0].iter().any(|p| *p > 0.0));
+        }
+    }
+    assert_eq!(dc_faces_destroy(handle), DC_OK);
 }

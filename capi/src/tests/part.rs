@@ -261,6 +261,16 @@ fn parts_refuse_what_is_none() {
     refused(&own, DC_OUT_OF_RANGE, "negative-number: facet_names[3] is -4");
     own.facet_names[3] = own.facet_names[4];
     refused(&own, DC_BAD_OPTION, "invalid-window: ");
+    let mut own = Part::new(&whole, 0, REACH);
+    own.owned[2] = 256;
+    refused(&own, DC_BAD_OPTION, "invalid-option: owned");
+    let own = Part::new(&whole, 0, REACH);
+    let nothing =
+        [f64::INFINITY, f64::INFINITY, f64::INFINITY, -f64::INFINITY, -f64::INFINITY, -f64::INFINITY, 0.0];
+    for wrong in [nothing, [f64::NAN; 7], extents.map(|x| 0.9 * x)] {
+        let (status, _) = own.make(&wrong);
+        assert!(status == DC_BAD_OPTION && message().starts_with("invalid-extents: "), "{}", message());
+    }
     let own = Part::new(&whole, 0, REACH);
     let (_, part) = own.make(&extents);
     let boxes = [0.0, 0.0, 0.0, 1.0, 1.0, 1.0];
@@ -270,7 +280,15 @@ fn parts_refuse_what_is_none() {
         let early = dc_part_window(part, x, own.node_names.len(), boxes.as_ptr(), 1, 0.0, &mut window);
         assert!(early == DC_BAD_OPTION && window.is_null(), "{}", message());
         assert_eq!(dc_boxes_around(x, 3, 0.1, 2, null_mut(), null_mut()), DC_BAD_POINTER);
+        let (mut boxes, mut count) = ([7.0; 6], 7);
+        for reach in [f64::NAN, f64::INFINITY, -0.1] {
+            let status = dc_boxes_around(x, 3, reach, 1, boxes.as_mut_ptr(), &mut count);
+            assert!(status == DC_BAD_OPTION && (boxes, count) == ([7.0; 6], 7), "{reach}: {}", message());
+        }
         assert_eq!(dc_extents(x, 3, null(), 0, null_mut()), DC_BAD_POINTER);
+        let (corners, mut extents) = ([0, 1, 3, -1], [7.0; 7]);
+        let status = dc_extents(x, 3, corners.as_ptr(), 1, extents.as_mut_ptr());
+        assert!(status == DC_OUT_OF_RANGE && extents == [7.0; 7], "{}", message());
     }
     assert_eq!(dc_part_destroy(part), DC_OK);
     assert_eq!(dc_part_destroy(part), DC_BAD_HANDLE);

@@ -98,6 +98,17 @@ fn the_user_element_with_facets_has_the_numbers_of_the_whole_surface() {
     refuse_mistakes_with_facets(&installed, is_built_in);
 }
 
+#[test]
+fn a_slave_in_a_thin_plate_stays_on_the_side_that_it_came_from() {
+    if !(has("pkg-config") && has("gfortran")) {
+        return;
+    }
+    let installed = Installed::new("fortran-plate");
+    build(&installed, "drive_uel_plate");
+    let printed = run(&mut installed.program("drive_uel_plate"));
+    assert!(printed.contains("from above: ") && printed.contains("from below: "), "{printed}");
+}
+
 fn refuse_mistakes_with_facets(installed: &Installed, is_built_in: bool) {
     let facets = "JPROPS of facets whose corners are nodes 2 to NNODE, or of a window";
     let history = "SVARS that it has written itself, or zeros";
@@ -261,8 +272,21 @@ fn with_windows(installed: &Installed, example: &str) -> String {
     }
     surfaces.push_str("*BOX\n0.9, 0.5, 0.5\n*PROPERTY\n20000., 0., 0.3, 0., 0., 0.3\n*FIRST\n1001\n");
     let path = installed.prefix.join("surfaces.txt");
-    std::fs::write(&path, surfaces).expect("a file");
+    std::fs::write(&path, &surfaces).expect("a file");
     let written = run(installed.program("write_uel").arg(&path));
+    let long = format!("0.9, 0.5, {}0.5", " ".repeat(256));
+    for (one, other, says) in [
+        ("0.9, 0.5, 0.5", "0.9, 0.5 7, 0.5", "not a number: line "),
+        ("0.9, 0.5, 0.5", "0.9, 0.5/7, 0.5", "not a number: line "),
+        ("0.9, 0.5, 0.5", &long, "256 characters or more: line "),
+    ] {
+        assert_eq!(surfaces.matches(one).count(), 1, "{one:?}");
+        std::fs::write(&path, surfaces.replace(one, other)).expect("a file");
+        let output = installed.program("write_uel").arg(&path).output().expect("write_uel");
+        let said = String::from_utf8_lossy(&output.stderr);
+        assert_eq!(output.status.code(), Some(1), "{one} → {other}: {said}");
+        assert!(said.contains(says), "{one} → {other}: {said}");
+    }
     let (before, _) = example.split_once("*USER ELEMENT").expect("user elements");
     let (_, after) = example.split_once("*ELSET, ELSET=CONTACT").expect("a set");
     format!("{before}{written}*ELSET, ELSET=CONTACT{after}")

@@ -6,12 +6,12 @@ import itertools
 import reprlib
 import sys
 from collections.abc import Sequence
-from typing import Any, NoReturn
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ._errors import BusyError, InputError
+from ._errors import InputError
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -73,14 +73,25 @@ def bools(what: str, values: Any) -> NDArray[np.bool_]:
     return _sound(array, np.bool_)
 
 
-def refuse_overlap(error: BusyError, read: dict[str, Any], written: dict[str, Any]) -> NoReturn:
-    """Tells an array that a call has twice, of which one is written, from one that another thread has."""
+def check_overlap(read: dict[str, Any], written: dict[str, Any]) -> None:
+    """Refuses an array that is written and shares memory with another one of the call.
+
+    The compiled part knows arrays by the object that their memory belongs to. Of one buffer there may be several.
+    """
     arrays = [(name, array, False) for name, array in read.items() if array is not None]
     arrays += [(name, array, True) for name, array in written.items()]
     for (one, a, _), (other, b, is_written) in itertools.combinations(arrays, 2):
         if is_written and np.may_share_memory(a, b):
-            raise InputError(f"{one} and {other} share memory, and one of them is written", "overlap") from None
-    raise error
+            raise InputError(f"{one} and {other} share memory, and one of them is written", "overlap")
+
+
+def flags(what: str, values: Any, *shape: int | str) -> NDArray[np.uint8]:
+    """``values`` as uint8; they have to be 0 or 1."""
+    array = ints(what, values, *shape)
+    wrong = array[(array < 0) | (array > 1)]
+    if wrong.size:
+        raise InputError(f"{what}: 0 and 1 are needed, not {wrong[0]}", "invalid-option")
+    return array.astype(np.uint8)
 
 
 def _check_shape(what: str, found: tuple[int, ...], shape: tuple[int | str, ...]) -> None:

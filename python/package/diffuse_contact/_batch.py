@@ -10,9 +10,9 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from . import _native
-from ._arrays import Floats, choice, dimensions, flag, floats, is_writable, new, refuse_overlap, word
+from ._arrays import Floats, check_overlap, choice, dimensions, flag, floats, is_writable, new, word
 from ._arrays import count as number_of
-from ._errors import BusyError, ElementError, InputError
+from ._errors import ElementError, InputError
 
 Mode = Literal["value", "gradient", "hessian"]
 Weight = Literal["cubic", "cubic-interpolating", "wendland-c2"]
@@ -183,6 +183,9 @@ def gap(
         out = GapBatch.empty(count, nodes, mode, packed=packed)
     else:
         _check_out(out, shapes, count)
+        read = {"slaves": slaves, "masters": masters, "outward": outward, "frames": frames}
+        read["support_radius"] = support_radius
+        check_overlap(read, {f"out.{name}": getattr(out, name) for name in (*shapes, "status")})
     inputs = SimpleNamespace(
         slaves=slaves,
         masters=masters,
@@ -201,12 +204,7 @@ def gap(
         hessian=out.hessian.reshape(-1),
         status=out.status,
     )
-    try:
-        failed = _native.gap_batch(inputs, outputs, mode, packed)
-    except BusyError as error:
-        read: dict[str, Floats | None] = {"slaves": slaves, "masters": masters, "outward": outward}
-        read |= {"frames": frames, "support_radius": support_radius}
-        refuse_overlap(error, read, {f"out.{name}": getattr(out, name) for name in (*shapes, "status")})
+    failed = _native.gap_batch(inputs, outputs, mode, packed)
     if failed is not None and on_error == "raise":
         index, code, message = failed
         raise ElementError(f"element {index}: {message}", code, index)

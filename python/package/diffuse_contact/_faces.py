@@ -16,17 +16,16 @@ from ._arrays import (
     Floats,
     Ints,
     Planes,
+    check_overlap,
     count,
     facets,
     floats,
     new,
     planes,
-    refuse_overlap,
     vector,
     word,
 )
 from ._batch import Mode
-from ._errors import BusyError
 from ._history import FrictionHistory
 from ._interface import Options, _equations, _named_options, _options
 from ._law import Friction, TabulatedPressure, Tangent, law_of
@@ -408,10 +407,8 @@ class FaceInterface(FrictionHistory):
             out = new("product", self.equations)
             out.fill(0.0)
         v, word_of = floats("v", v, "equations"), word("tangent", tangent)
-        try:
-            self._faces.add_product(word_of, v, vector("out", out))
-        except BusyError as error:
-            refuse_overlap(error, {"v": v}, {"out": out})
+        check_overlap({"v": v}, {"out": vector("out", out)})
+        self._faces.add_product(word_of, v, out)
         return out
 
     def __reduce__(self) -> NoReturn:

@@ -19,6 +19,7 @@ from ._arrays import (
     Indices,
     Ints,
     Planes,
+    check_overlap,
     choice,
     count,
     facets,
@@ -28,12 +29,11 @@ from ._arrays import (
     new,
     number,
     planes,
-    refuse_overlap,
     vector,
     word,
 )
 from ._batch import Basis, FrameDerivative, Mode, Weight
-from ._errors import BusyError, InputError
+from ._errors import InputError
 from ._history import FrictionHistory
 from ._law import Friction, TabulatedPressure, Tangent, law_of
 from ._operator import TangentOperator
@@ -515,10 +515,8 @@ class ContactInterface(FrictionHistory):
             out = new("forces", self.equations)
             out.fill(0.0)
         law = law_of(penalty, multipliers, friction=friction, normal=normal)
-        try:
-            self._interface.add_forces(law, vector("out", out))
-        except BusyError as error:
-            refuse_overlap(error, {"multipliers": law.multipliers}, {"out": out})
+        check_overlap({"multipliers": law.multipliers}, {"out": vector("out", out)})
+        self._interface.add_forces(law, out)
         return out
 
     def tangent(
@@ -583,10 +581,8 @@ class ContactInterface(FrictionHistory):
         if out is None:
             out = new("tangent", self._interface.entries())
         law = law_of(penalty, multipliers, tangent, friction, normal)
-        try:
-            self._interface.fill_tangent(law, vector("out", out), add)
-        except BusyError as error:
-            refuse_overlap(error, {"multipliers": law.multipliers}, {"out": out})
+        check_overlap({"multipliers": law.multipliers}, {"out": vector("out", out)})
+        self._interface.fill_tangent(law, out, add)
         return out
 
     def csr_map(self, matrix: Any) -> CsrMap:
@@ -683,7 +679,7 @@ class ContactInterface(FrictionHistory):
         The rule of ``dc_cutback`` in C, the least of
 
         * ``limit`` R/(−g) for a slave deeper than ``limit`` × R, the support radius (with domains of influence
-          the largest at the corners of its facet; node to facet: the extent of the facet);
+          the shortest half axis of the domains on its list; node to facet: the extent of the facet);
         * 0.5 for a slave that penetrated and whose foot lies outside its domain of influence now;
         * 0.25 for one whose element has no result for another reason;
 
@@ -761,10 +757,8 @@ class CsrMap:
 
         """
         law = law_of(penalty, multipliers, tangent, friction, normal)
-        try:
-            return self._interface.add_tangent(self._map, law, vector("values", values))
-        except BusyError as error:
-            refuse_overlap(error, {"multipliers": law.multipliers}, {"values": values})
+        check_overlap({"multipliers": law.multipliers}, {"values": vector("values", values)})
+        return self._interface.add_tangent(self._map, law, values)
 
     def __reduce__(self) -> NoReturn:
         raise TypeError("a CsrMap cannot be pickled or copied: it belongs to its interface, which cannot be, either")

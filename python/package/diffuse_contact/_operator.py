@@ -8,8 +8,7 @@ import numpy as np
 import scipy.sparse.linalg
 
 from . import _native
-from ._arrays import Floats, floats, new, refuse_overlap, vector
-from ._errors import BusyError
+from ._arrays import Floats, check_overlap, floats, new, vector
 
 
 class TangentOperator(scipy.sparse.linalg.LinearOperator):
@@ -62,11 +61,8 @@ class TangentOperator(scipy.sparse.linalg.LinearOperator):
 
     def _add(self, v: Any, out: Floats, *, is_transposed: bool) -> Floats:
         v = floats("v", v, "equations")
-        vector("out", out)
-        try:
-            self._operator.add_product(v, out, is_transposed)
-        except BusyError as error:
-            refuse_overlap(error, {"v": v}, {"out": out})
+        check_overlap({"v": v}, {"out": vector("out", out)})
+        self._operator.add_product(v, out, is_transposed)
         return out
 
     def _matvec(self, x: Any) -> Floats:

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from . import _native
-from ._arrays import Facets, Floats, Ints, Planes, bools, facets, floats, ints, number, planes
+from ._arrays import Facets, Floats, Ints, Planes, bools, facets, flags, floats, ints, number, planes
 from ._errors import InputError
 from ._interface import Options, _named_options
 from ._window import Window, _boxes
@@ -33,7 +33,12 @@ class Extents:
 
     @staticmethod
     def of(positions: ArrayLike, corners: Facets) -> Extents:
-        """Of facets, as for ``MasterSurface``. Those of none change no others that they are joined with."""
+        """Of facets, as for ``MasterSurface``. Those of none change no others that they are joined with.
+
+        Raises:
+            SurfaceError: for facets that are none, each by itself.
+
+        """
         arrays = floats("positions", positions, "p", 3), facets("facets", corners)
         (a, b, c), (d, e, f), facet = _native.extents(*arrays)
         return Extents((a, b, c), (d, e, f), facet)
@@ -72,8 +77,7 @@ class PartDemands:
 
     def _row(self) -> tuple[Ints, Floats, NDArray[np.uint8], Ints, NDArray[np.uint8]]:
         nodes, rows = ints("nodes", self.nodes, "n"), ints("facets", self.facets, "m")
-        crowded = ints("crowded", self.crowded, len(nodes)).astype(np.uint8)
-        bases = ints("bases", self.bases, len(rows)).astype(np.uint8)
+        crowded, bases = flags("crowded", self.crowded, len(nodes)), flags("bases", self.bases, len(rows))
         return nodes, floats("factors", self.factors, len(nodes)), crowded, rows, bases
 
 
@@ -97,8 +101,9 @@ class SurfacePart:
 
     Raises:
         InterfaceError: ``"part-too-narrow"`` if the fits of an own facet may depend on what does not meet the known
-            box, ``"invalid-window"`` for numbers that are none, ``"window-needs-domains"``, ``"invalid-box"``; for
-            facets that are no surface, and for planes.
+            box, ``"invalid-window"`` for numbers that are none, ``"invalid-extents"`` for extents that are not finite
+            or do not hold the own facets, ``"window-needs-domains"``, ``"invalid-box"``; for facets that are no
+            surface, and for planes.
         InputError: for a wrong shape, type or name.
 
     """

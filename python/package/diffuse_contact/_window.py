@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable
 from typing import Any
 
@@ -110,12 +111,15 @@ def boxes_around(points: ArrayLike, reach: float, most: int = 16) -> Floats:
     Args:
         points: shape (k, 3), length; those that are not finite belong to no box.
         reach: how far beyond each point a box reaches, length: the limit of the distance, and what slaves move until
-            the next window.
+            the next window; finite, at least 0.
         most: the largest number of boxes.
 
     """
     points = floats("points", points, "k", 3)
-    return _native.boxes_around(points, number("reach", reach), count("most", most)).reshape(-1, 2, 3)
+    reach = number("reach", reach)
+    if not 0 <= reach < math.inf:
+        raise InputError(f"reach has to be finite and at least 0, not {reach}", "invalid-option")
+    return _native.boxes_around(points, reach, count("most", most)).reshape(-1, 2, 3)
 
 
 def split_history(history: ArrayLike) -> list[Floats]:

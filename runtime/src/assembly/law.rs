@@ -1,7 +1,9 @@
 //! From the gap to force and stiffness.
 
 use super::active::{Active, ActiveFriction};
-use super::{AssemblyError, ContactView, ElementView, Elements, NormalLaw, SlipView, Tangent};
+use super::{
+    AssemblyError, ContactView, ElementView, Elements, NormalLaw, NormalPressure, SlipView, Tangent,
+};
 use crate::friction::{Coulomb, FrictionForce, NormalForce};
 
 /// The law of contact: a normal law (penalty, augmented Lagrangian, or a [`NormalLaw`] of the user's own) and friction (none, or
@@ -98,10 +100,7 @@ impl<'a> ContactLaw<'a> {
     /// If there are multipliers, but none for `k`.
     #[must_use]
     pub fn force(&self, k: usize, gap: f64, area: f64) -> f64 {
-        match self.normal {
-            None => (self.multiplier(k) - self.penalty * area * gap).max(0.0),
-            Some(normal) => (area * normal.pressure(k, gap).pressure).max(0.0),
-        }
+        self.normal_force(k, gap, area).force
     }
 
     /// The normal force of element `k` at the gap `gap`, and −∂f/∂g.
@@ -110,13 +109,19 @@ impl<'a> ContactLaw<'a> {
     /// If there are multipliers, but none for `k`.
     #[must_use]
     pub fn normal_force(&self, k: usize, gap: f64, area: f64) -> NormalForce {
-        match self.normal {
-            None => NormalForce { force: self.force(k, gap, area), stiffness: self.penalty * area },
-            Some(normal) => {
-                let at = normal.pressure(k, gap);
-                NormalForce { force: (area * at.pressure).max(0.0), stiffness: -area * at.by_gap }
-            }
-        }
+        self.force_and_pressure(k, gap, area).0
+    }
+
+    /// The normal force, and what it was made of by a normal law of one's own.
+    fn force_and_pressure(&self, k: usize, gap: f64, area: f64) -> (NormalForce, Option<NormalPressure>) {
+        let Some(normal) = self.normal else {
+            let stiffness = self.penalty * area;
+            let force = (self.multiplier(k) - stiffness * gap).max(0.0);
+            return (NormalForce { force, stiffness }, None);
+        };
+        let at = normal.pressure(k, gap);
+        let force = (area * at.pressure).max(0.0);
+        (NormalForce { force, stiffness: -area * at.by_gap }, Some(at))
     }
 
     /// The same of a gap and an area that are numbers, and of a law that may be none.
@@ -126,17 +131,12 @@ impl<'a> ContactLaw<'a> {
         gap: f64,
         area: f64,
     ) -> Result<NormalForce, AssemblyError> {
-        let found = match self.normal {
-            None => self.normal_force(k, gap, area),
-            Some(normal) => {
-                let at = normal.pressure(k, gap);
-                if !(at.pressure.is_finite() && at.by_gap.is_finite()) {
-                    let (pressure, by_gap) = (at.pressure, at.by_gap);
-                    return Err(AssemblyError::InvalidPressure { element: k, gap, pressure, by_gap });
-                }
-                NormalForce { force: (area * at.pressure).max(0.0), stiffness: -area * at.by_gap }
-            }
-        };
+        let (found, own) = self.force_and_pressure(k, gap, area);
+        if let Some(NormalPressure { pressure, by_gap }) = own
+            && !(pressure.is_finite() && by_gap.is_finite())
+        {
+            return Err(AssemblyError::InvalidPressure { element: k, gap, pressure, by_gap });
+        }
         if found.stiffness.is_finite() && found.force.is_finite() {
             return Ok(found);
         }

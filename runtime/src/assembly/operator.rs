@@ -117,7 +117,7 @@ impl TangentOperator {
                 interface.evaluate_loaded(range.clone(), Mode::Hessian, &is_loaded, &mut results)?;
             let (mut part, mut elements) = (Part::default(), Vec::new());
             for k in range.filter(|&k| is_loaded(k)) {
-                part.push(k, &contact(k), law, &mut elements)?;
+                part.push(k, &contact(k), law, dofs, &mut elements)?;
             }
             Ok((part, elements))
         };

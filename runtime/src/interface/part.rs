@@ -5,8 +5,8 @@ use crate::surface::window::{
     Box3, Extents, LARGEST_NUMBER, Setup, Sheet, Window, WindowError, check_boxes, widened,
 };
 use crate::surface::{
-    Carried, Creases, Demands, Facet, MasterSurface, NONE, NodalDomains, Ratios, Sheets, Symmetry,
-    SymmetryPlane, check_facets, grown, shape_of, trimmed,
+    Carried, Creases, Demands, Facet, MasterSurface, NONE, NodalDomains, Ratios, Sheets, SurfaceError,
+    Symmetry, SymmetryPlane, check_facets, grown, shape_of, trimmed,
 };
 use crate::{MaterialDomain, Point};
 
@@ -143,25 +143,29 @@ impl PartDemands {
         if nodes.len() != factors.len() || nodes.len() != crowded.len() || facets.len() != bases.len() {
             return Err(WindowError::Invalid { what: "length of demands", place: 0 });
         }
-        match factors.iter().position(|factor| !(*factor >= 0.0 && factor.is_finite())) {
-            Some(place) => Err(WindowError::Invalid { what: "factor", place }),
+        let invalid = |what, place: Option<usize>| match place {
+            Some(place) => Err(WindowError::Invalid { what, place }),
             None => Ok(()),
-        }
+        };
+        invalid("factor", factors.iter().position(|factor| !(*factor >= 0.0 && factor.is_finite())))?;
+        invalid("crowded node", crowded.iter().position(|&is| is > 1))?;
+        invalid("basis", bases.iter().position(|&base| base > 1))
     }
 }
 
 impl PartFacets<'_> {
     /// Of the own facets alone, for the extents of the whole.
-    #[must_use]
-    pub fn own_extents(&self) -> Extents {
+    ///
+    /// # Errors
+    /// [`SurfaceError`] for facets that are none, the others among them.
+    pub fn own_extents(&self) -> Result<Extents, SurfaceError> {
+        check_facets(self.positions, self.facets)?;
         let own = self.facets.iter().zip(self.owned).filter(|(_, owned)| **owned);
-        own.fold(Extents::NONE, |all, (facet, _)| {
-            let corners = facet.corners().iter().filter_map(|&node| self.positions.get(node).copied());
+        Ok(own.fold(Extents::NONE, |all, (facet, _)| {
+            let corners = facet.corners().iter().map(|&node| self.positions[node]);
             let all = corners.fold(all, |all, x| all.joined(Extents { low: x, high: x, facet: 0.0 }));
-            let is_there = facet.corners().iter().all(|&node| node < self.positions.len());
-            let facet = if is_there { shape_of(facet, self.positions).extent() } else { 0.0 };
-            all.joined(Extents { facet, ..Extents::NONE })
-        })
+            all.joined(Extents { facet: shape_of(facet, self.positions).extent(), ..Extents::NONE })
+        }))
     }
 
     fn check(&self) -> Result<(), InterfaceError> {
@@ -176,8 +180,22 @@ impl PartFacets<'_> {
             }
         }
         check_boxes(&[self.known], 0.0)?;
-        Ok(check_facets(self.positions, self.facets)?)
+        let own = self.own_extents()?;
+        // Planes of symmetry have images as far as the extents say. A rank without facets looks at none.
+        if self.facets.is_empty() || holds(&self.extents, &own) {
+            return Ok(());
+        }
+        Err(WindowError::InvalidExtents { given: self.extents, own }.into())
     }
+}
+
+/// Whether extents are finite and hold others.
+fn holds(whole: &Extents, own: &Extents) -> bool {
+    let holds = |axis: usize| {
+        let (low, high) = (whole.low[axis], whole.high[axis]);
+        low.is_finite() && high.is_finite() && low <= own.low[axis].min(high) && own.high[axis] <= high
+    };
+    (0..3).all(holds) && whole.facet.is_finite() && own.facet <= whole.facet
 }
 
 /// Places in ascending order of their numbers, which are different and not too large.
@@ -200,8 +218,9 @@ impl SurfacePart {
     ///
     /// # Errors
     /// [`InterfaceError::Window`]: [`WindowError::TooNarrow`] if the fits of an own facet may depend on what does not meet the known box,
-    /// [`WindowError::Invalid`] for numbers that are none, [`WindowError::NeedsDomains`], [`WindowError::InvalidBox`].
-    /// [`InterfaceError::Surface`] for facets that are no surface, named by their place by number, and for the planes.
+    /// [`WindowError::Invalid`] for numbers that are none, [`WindowError::NeedsDomains`], [`WindowError::InvalidBox`],
+    /// [`WindowError::InvalidExtents`]. [`InterfaceError::Surface`] for facets that are no surface, named by their place by number, and for
+    /// the planes.
     pub fn new(
         part: &PartFacets<'_>,
         options: &InterfaceOptions,
@@ -234,6 +253,7 @@ impl SurfacePart {
         };
         let surface = MasterSurface::part(positions.len(), corners.clone(), is_border)?;
         let symmetry = Symmetry::of_surface(planes, &part.extents)?;
+        Symmetry::check_sides(planes, &positions, part.extents.facet)?;
         let index = surface.at(&positions)?;
         let creases = Creases::new(&index, options.feature_angle_degrees.to_radians(), &symmetry);
         let sheets =

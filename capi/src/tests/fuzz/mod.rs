@@ -4,8 +4,11 @@
 //! The same cases every time; with `DC_FUZZ_SECONDS=600` others, for that long.
 
 mod arguments;
+mod faces;
 mod feet;
+mod friction;
 mod single;
+mod windows;
 
 use std::ptr::{null, null_mut};
 use std::time::{Duration, Instant};
@@ -91,7 +94,7 @@ impl Fuzz {
     }
 
     fn call(&mut self, number: usize) -> dc_status {
-        let kind = if number == 0 { 0 } else { self.random.below(23) };
+        let kind = if number == 0 { 0 } else { self.random.below(28) };
         match kind {
             0 => self.create(),
             1 | 2 => self.refresh(),
@@ -121,6 +124,11 @@ impl Fuzz {
             19 => self.pair(),
             20 => self.symmetry(),
             21 => self.feet(),
+            22 => self.friction(),
+            23 => self.operator(),
+            24 => self.window(),
+            25 => self.part(),
+            26 => self.faces(),
             _ => self.system(),
         }
     }

@@ -139,6 +139,7 @@ impl Part {
         k: usize,
         contact: &ContactRef<'_>,
         law: &ContactLaw<'_>,
+        dofs: &DofMap,
         elements: &mut Vec<Element>,
     ) -> Result<(), AssemblyError> {
         let &ContactRef { slave, nodes, point, area, gradient, hessian, slip, .. } = contact;
@@ -152,12 +153,21 @@ impl Part {
             self.gradients.extend_from_slice(slip);
             (factor, first + gradient.len())
         });
+        let equation = |p: usize| {
+            let node = if p < 3 { slave } else { nodes[p / 3 - 1] as usize };
+            // A node that is none has no equation; it is refused where nodes get their numbers.
+            if node < dofs.nodes() { dofs.equation(node, p % 3) } else { None }
+        };
         for p in 0..gradient.len() {
             let row = self.seconds.len();
             self.seconds.resize(row + p + 1, 0.0);
-            if !rest.tangent_row(p, &mut self.seconds[row..]) {
-                let node = if p < 3 { slave } else { nodes[p / 3 - 1] as usize };
-                return Err(AssemblyError::Overflow { what: "values", equation: 3 * node + p % 3 });
+            if rest.tangent_row(p, &mut self.seconds[row..]) {
+                continue;
+            }
+            // An entry between displacements that are prescribed is in no product.
+            let entries = self.seconds[row..].iter().enumerate().filter(|(_, entry)| !entry.is_finite());
+            if let Some(equation) = entries.filter_map(|(q, _)| equation(p).or_else(|| equation(q))).next() {
+                return Err(AssemblyError::Overflow { what: "values", equation });
             }
         }
         // The rest stands for −f M.
@@ -252,7 +262,7 @@ impl Part {
                 target[start + k] = *entries;
             }
             // Of a node that takes part more than once, or as an image, the entries are those of products with its own moves.
-            for k in 1..nodes.len() {
+            for k in 0..nodes.len() {
                 let same = || (0..nodes.len()).filter(|&other| nodes[other] == nodes[k]);
                 let is_plain = same().count() == 1 && self.rotation(rotations, start + k).is_none();
                 if is_plain {
@@ -325,4 +335,62 @@ fn forth(rotation: Option<&[[f64; 3]; 3]>, v: [f64; 3]) -> [f64; 3] {
 /// Qᵀ v
 fn back(rotation: Option<&[[f64; 3]; 3]>, v: [f64; 3]) -> [f64; 3] {
     rotation.map_or(v, |q| [0, 1, 2].map(|j| q[0][j] * v[0] + q[1][j] * v[1] + q[2][j] * v[2]))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::ContactPoint;
+    use crate::interface::Outcome;
+    use crate::neighbourhood::Fallback;
+
+    #[test]
+    fn the_diagonal_of_a_slave_among_its_own_masters_is_that_of_products() {
+        let contact = Contact {
+            stiffness: 2.0,
+            force: 0.0,
+            nodes: 2,
+            gradient: 0,
+            second: SecondForm::None,
+            second_start: 0,
+            skew: None,
+        };
+        let part = Part {
+            contacts: vec![contact],
+            nodes: vec![0, 0],
+            gradients: vec![0.0, 0.0, 1.0, 0.0, 0.0, -0.5],
+            ..Part::default()
+        };
+        let [mut product, mut diagonal] = [[[0.0; 3]; 2]; 2];
+        part.multiply(Side::Right, &[[0.0, 0.0, 1.0]], &[], &mut product);
+        part.diagonal(&[], &mut diagonal);
+        let sum = |all: [[f64; 3]; 2]| all[0][2] + all[1][2];
+        assert_eq!((sum(product), sum(diagonal)), (0.5, 0.5));
+    }
+
+    #[test]
+    fn an_overflow_names_the_equation_of_the_caller() {
+        let mut hessian = [0.0; 21];
+        hessian[0] = 1e308;
+        let point = ContactPoint { gap: -1.0, ..ContactPoint::default() };
+        let contact = ContactRef {
+            slave: 0,
+            nodes: &[1],
+            outcome: Outcome::Contact { fallback: Fallback::None },
+            point,
+            area: 1.0,
+            gradient: &[0.0, 0.0, 1.0, 0.0, 0.0, -1.0],
+            hessian: &hessian,
+            slip: None,
+        };
+        let pushed = |is_free: fn(usize, usize) -> bool| {
+            let dofs = DofMap::numbering(2, is_free).unwrap();
+            Part::default().push(0, &contact, &ContactLaw::penalty(100.0), &dofs, &mut Vec::new())
+        };
+        // The equations of the master come first.
+        let dofs = DofMap::from_first(6, [Some(3), Some(0)]).unwrap();
+        let found = Part::default().push(0, &contact, &ContactLaw::penalty(100.0), &dofs, &mut Vec::new());
+        assert_eq!(found, Err(AssemblyError::Overflow { what: "values", equation: 3 }));
+        assert_eq!(pushed(|node, axis| (node, axis) != (0, 0)), Ok(()));
+    }
 }

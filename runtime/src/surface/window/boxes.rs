@@ -1,5 +1,7 @@
 //! Boxes around slaves.
 
+use std::collections::BinaryHeap;
+
 use super::Box3;
 use crate::Point;
 
@@ -14,11 +16,18 @@ pub fn boxes_around(points: &[Point], reach: f64, most: usize) -> Vec<Box3> {
         return Vec::new();
     }
     let mut groups = vec![Group::of(points)];
+    // Lengths are not negative, so that their bits have their order. A place whose group has changed since is passed over.
+    let key = |groups: &[Group], k: usize| (groups[k].length.to_bits(), k);
+    let mut longest = BinaryHeap::from([key(&groups, 0)]);
     while groups.len() < most {
-        let longest = (0..groups.len()).max_by(|&i, &j| groups[i].length.total_cmp(&groups[j].length));
-        let Some(longest) = longest.filter(|&k| groups[k].length > 0.0) else { break };
-        let [one, two] = groups.swap_remove(longest).halved();
-        groups.extend([one, two]);
+        let Some((length, place)) = longest.pop().filter(|&(length, _)| length > 0) else { break };
+        if groups[place].length.to_bits() != length {
+            continue;
+        }
+        let halves = groups.swap_remove(place).halved();
+        groups.extend(halves);
+        let last = groups.len() - 1;
+        longest.extend([place, last - 1, last].map(|k| key(&groups, k)));
     }
     let widened = |[low, high]: Box3| [low.map(|x| x - reach), high.map(|x| x + reach)];
     groups.into_iter().map(|group| widened(group.bounds)).collect()
@@ -78,6 +87,9 @@ mod tests {
                 assert!(boxes.iter().any(holds), "{most} {x:?}");
             }
         }
+        // The time is not that of the square of the number.
+        let many: Vec<Point> = (0..200_000).map(|k| [f64::from(k), 0.0, 0.0]).collect();
+        assert_eq!(boxes_around(&many, 0.25, usize::MAX).len(), many.len());
         points = vec![[1.0, 2.0, 3.0]; 4];
         assert_eq!(boxes_around(&points, 0.5, 9), [[[0.5, 1.5, 2.5], [1.5, 2.5, 3.5]]]);
         assert!(boxes_around(&[[f64::NAN; 3]], 1.0, 4).is_empty());

@@ -1,5 +1,6 @@
 //! Why there is no window.
 
+use super::Extents;
 use crate::surface::SurfaceError;
 
 /// Why numbers are no window, or windows do not go together.
@@ -41,6 +42,14 @@ pub enum WindowError {
         /// The skin.
         skin: f64,
     },
+    /// Extents said to be of the whole surface are not finite, or do not hold the own facets.
+    #[error("extents {given:?} are not finite, or do not hold those of the own facets, {own:?}")]
+    InvalidExtents {
+        /// Those of the whole surface.
+        given: Extents,
+        /// Those of the own facets.
+        own: Extents,
+    },
     /// Windows are for slaves whose masters are found by domains of influence.
     #[error(
         "windows need the diffuse element with the neighbour rule \"domains\", not facets or another rule"
@@ -68,6 +77,7 @@ impl WindowError {
             Self::Incomplete { .. } => "incomplete-window",
             Self::Surface(error) => error.code(),
             Self::InvalidBox { .. } => "invalid-box",
+            Self::InvalidExtents { .. } => "invalid-extents",
             Self::NeedsDomains => "window-needs-domains",
             Self::TooNarrow { .. } => "part-too-narrow",
         }

@@ -258,32 +258,28 @@ impl Window {
                 window.nodes.iter().map(place).collect()
             })
             .collect();
-        // A facet with its list, by which window has it.
-        let mut facets: Vec<(WindowFacet, usize, &[Listed])> = Vec::new();
-        for (own, window) in windows.iter().enumerate() {
+        let mut facets: Vec<(WindowFacet, Vec<Listed>)> = Vec::new();
+        for (places, window) in places.iter().zip(windows) {
             for (facet, list) in window.facets_with_lists() {
-                let corners = facet
-                    .corners
-                    .map(|corner| if corner == NONE { NONE } else { places[own][corner as usize] });
-                facets.push((WindowFacet { corners, ..*facet }, own, list));
+                let corners =
+                    facet.corners.map(|corner| if corner == NONE { NONE } else { places[corner as usize] });
+                let list = list.iter().map(|own| Listed { place: places[own.place as usize], ..*own });
+                facets.push((WindowFacet { corners, ..*facet }, list.collect()));
             }
         }
         // Those of a core come first.
-        facets.sort_by_key(|(facet, own, _)| (facet.number, facet.core.is_none(), *own));
+        facets.sort_by_key(|(facet, _)| (facet.number, facet.core.is_none()));
         for pair in facets.windows(2) {
-            let [(one, ..), (two, ..)] = pair else { continue };
+            let [(one, list), (two, other)] = pair else { continue };
             let is_same = WindowFacet { core: None, ..*one } == WindowFacet { core: None, ..*two }
-                && (two.core.is_none() || one.core == two.core);
+                && (two.core.is_none() || (one.core, list) == (two.core, other));
             if one.number == two.number && !is_same {
                 return Err(WindowError::Differs { what: "facet", number: one.number });
             }
         }
-        facets.dedup_by_key(|(facet, ..)| facet.number);
-        let listed = facets.iter().flat_map(|(_, own, list)| {
-            list.iter().map(|listed| Listed { place: places[*own][listed.place as usize], ..*listed })
-        });
-        let listed = listed.collect();
-        let facets = facets.into_iter().map(|(facet, ..)| facet).collect();
+        facets.dedup_by_key(|(facet, _)| facet.number);
+        let listed = facets.iter().flat_map(|(_, list)| list).copied().collect();
+        let facets = facets.into_iter().map(|(facet, _)| facet).collect();
         let (setup, boxes, skin) = (first.setup.clone(), first.boxes.clone(), first.skin);
         Ok(Self { setup, boxes, skin, nodes, facets, listed })
     }

@@ -81,6 +81,7 @@ impl Window {
         if counted != listed {
             return Err(invalid("list", facets.len()));
         }
+        check_lists(&facets, &list)?;
         let (reals, mut rest) = reals.split_at(REALS);
         let plane = |&[x, y, z, a, b, c]: &[f64; BOX]| SymmetryPlane { point: [x, y, z], normal: [a, b, c] };
         let planes = take(&mut rest, BOX * planes).as_chunks().0.iter().map(plane).collect();
@@ -155,6 +156,20 @@ fn check_ascending(what: &'static str, numbers: impl Iterator<Item = i64>) -> Re
             return Err(WindowError::Invalid { what, place });
         }
         least = number + 1;
+    }
+    Ok(())
+}
+
+/// Refuses lists that are not ascending, a node before its images: they are searched as such.
+fn check_lists(facets: &[WindowFacet], listed: &[Listed]) -> Result<(), WindowError> {
+    let order = |own: &Listed| (own.place, own.image.wrapping_add(1));
+    let mut start = 0;
+    for (_, count) in facets.iter().filter_map(|facet| facet.core) {
+        let list = &listed[start..][..count as usize];
+        if let Some(k) = list.windows(2).position(|pair| order(&pair[0]) >= order(&pair[1])) {
+            return Err(WindowError::Invalid { what: "listed node", place: start + k + 1 });
+        }
+        start += list.len();
     }
     Ok(())
 }

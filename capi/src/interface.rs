@@ -348,8 +348,8 @@ impl dc_report {
     }
 }
 
-/// As dc_update, but with DC_DOMAINS the lists of nodes follow: if something has moved by more than half their skin, see dc_refresh, they
-/// are made anew, which changes no gap. `rebuilt`, which may be NULL, gets whether they were, 0 or 1: patterns of before
+/// As dc_update, but with DC_DOMAINS the lists of nodes follow: if something has moved too far for them, see dc_refresh, they are made
+/// anew. A slave stays with its side of the surface. `rebuilt`, which may be NULL, gets whether they were, 0 or 1: patterns of before
 /// are no longer theirs then.
 ///
 /// DC_FROZEN while the interface is frozen: it did what dc_update does.
@@ -389,7 +389,7 @@ fn frozen() -> Failure {
 /// Takes over the positions and pairs every slave. Call it once an increment. `report` may be NULL; its field `size` has to be set.
 ///
 /// With DC_DOMAINS lists of nodes are kept while nothing has moved by more than half their skin, 0.06 of the shortest half axis of their
-/// domains. New lists change no gap, so jump_node is -1. Domains lie in the configuration of dc_create and are never renewed: they turn and
+/// domains, nor so far that another sheet may be the closest one. New lists of the same sheet change no gap, and jump_node is -1. Domains lie in the configuration of dc_create and are never renewed: they turn and
 /// stretch with the master. The first refresh of an increment is followed by dc_follow in its iterations.
 ///
 /// DC_FROZEN while the interface is frozen: it did what dc_update does, and the report is empty.

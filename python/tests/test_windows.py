@@ -455,7 +455,7 @@ def test_faces_in_windows_refuse_what_takes_the_whole():
         return error.value.code
 
     make = dc.FaceInterface.in_window
-    assert code(make, *windows, positions) == "other-than-window"
+    assert code(make, *windows, positions) == "invalid-option"
     assert code(make, *windows, positions, distance_limit=LIMIT, weight="wendland-c2") == "other-than-window"
     assert code(make, *windows, positions[1:], distance_limit=LIMIT) == "wrong-number-of-positions"
     assert code(make, windows[0], "window", positions, distance_limit=LIMIT) == "wrong-type"

@@ -238,7 +238,7 @@ fn faces_in_windows_refuse_what_takes_the_whole() {
     let refused = |made: (dc_status, *mut dc_faces), status, code: &str| {
         assert!(made.0 == status && message().starts_with(code), "{}", message());
     };
-    refused(make(both, &positions, &options()), DC_BAD_OPTION, "other-than-window: ");
+    refused(make(both, &positions, &options()), DC_BAD_OPTION, "invalid-option: ");
     refused(make(both, &positions[3..], &limited()), DC_BAD_SIZE, "wrong-number-of-positions: ");
     // No other thread is in a call with it.
     refused(make([both[0]; 2], &positions, &limited()), DC_BAD_SIZE, "wrong-number-of-positions: ");

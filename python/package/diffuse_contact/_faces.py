@@ -219,9 +219,9 @@ class FaceInterface(FrictionHistory):
             options: those that the windows were made with; ``distance_limit`` has to be given.
 
         Raises:
-            InterfaceError: ``"other-than-window"`` for other options, without a limit of the distance, or where planes
-                of symmetry differ; ``"incomplete-window"`` for a window with something missing; ``"repeated-node"`` for
-                a node twice in a face; ``"in-window"`` later for what takes the whole.
+            InterfaceError: ``"invalid-option"`` without a limit of the distance; ``"other-than-window"`` for other
+                options, or where planes of symmetry differ; ``"incomplete-window"`` for a window with something missing;
+                ``"repeated-node"`` for a node twice in a face; ``"in-window"`` later for what takes the whole.
 
         """
         made = cls.__new__(cls)

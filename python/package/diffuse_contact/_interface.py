@@ -361,8 +361,9 @@ class ContactInterface(FrictionHistory):
         """Takes over the positions, shape (p, 3), and pairs every slave anew.
 
         With domains of influence lists of nodes are kept while nothing has moved by more than half their skin, 0.06 of
-        the shortest half axis of their domains. New lists change no gap. Domains lie in the first configuration and are
-        never renewed: they turn and stretch with the master.
+        the shortest half axis of their domains, nor so far that another sheet may be the closest one. New lists of the
+        same sheet change no gap. Domains lie in the first configuration and are never renewed: they turn and stretch
+        with the master.
 
         While the interface is frozen it is an ``update``, and the report says so.
 
@@ -403,11 +404,13 @@ class ContactInterface(FrictionHistory):
         self._interface.update(floats("positions", positions, "p", 3))
 
     def follow(self, positions: ArrayLike) -> bool:
-        """As ``update``, but with domains of influence the lists of nodes follow, which changes no gap.
+        """As ``update``, but with domains of influence the lists of nodes follow.
+
+        A slave stays with its side of the surface.
 
         Returns:
-            Whether they were made anew, as something had moved by more than half their skin: the sparsity pattern then
-            is another one. False while the interface is frozen.
+            Whether they were made anew, as something had moved too far for them, see ``refresh_pairing``: the sparsity
+            pattern then is another one. False while the interface is frozen.
 
         Raises:
             InterfaceError: for another number of positions, or one that is not finite.

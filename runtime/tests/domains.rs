@@ -86,7 +86,7 @@ fn roughness(mesh: &(Vec<Point>, Vec<Facet>), weight: Weight, steps: u32) -> (f6
         })
         .collect();
     let g = gaps(&mut interface(mesh, &path, options(weight), &[]));
-    let second = g.windows(3).map(|g| (g[0] - 2.0 * g[1] + g[2]).abs()).fold(0.0, f64::max);
+    let second = g.windows(3).map(|g| (g[0] - 2.0 * g[1] + g[2]).abs()).fold(0.0, crate::common::worse);
     (second, g.iter().fold(0.0_f64, |m, x| m.max((x - 0.05).abs())))
 }
 

@@ -14,7 +14,7 @@ use diffuse_contact::neighbourhood::SearchOptions;
 use diffuse_contact::surface::SymmetryPlane;
 use diffuse_contact::{Mode, Point, Weight, interface::ContactElement};
 
-use crate::common::{Mesh, Uniform, distance, hull_layers};
+use crate::common::{Mesh, Uniform, distance, hull_layers, worse};
 
 const PENALTY: f64 = 400.0;
 const STIFFNESS: f64 = 300.0;
@@ -159,7 +159,7 @@ fn length(v: Point) -> f64 {
 }
 
 fn largest(values: &[f64]) -> f64 {
-    values.iter().fold(0.0, |largest, value| value.abs().max(largest))
+    values.iter().map(|value| value.abs()).fold(0.0, worse)
 }
 
 #[test]

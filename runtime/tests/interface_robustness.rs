@@ -1,7 +1,7 @@
 //! Whatever comes in: an error for the caller, a named outcome, or finite numbers, the same for any number of
 //! threads.
 
-use crate::common::{Mesh, Scene, Uniform};
+use crate::common::{Mesh, Scene, Uniform, worse};
 use diffuse_contact::ad::Ad;
 use diffuse_contact::interface::{
     ContactElement, ContactInterface, ContactRef, InterfaceError, InterfaceOptions, NoContact, Outcome,
@@ -343,8 +343,7 @@ fn foot_error(element: &Element<'_>, point: &ContactPoint) -> f64 {
     let [f_1, f_2] = surface.slopes;
     let steepness = 1.0 + f_1.abs() + f_2.abs();
     let residuals = [along(normal) - surface.value, u[0] + surface.value * f_1, u[1] + surface.value * f_2];
-    residuals.into_iter().map(|r| r.abs() / (steepness * steepness)).fold(0.0, f64::max)
-        / element.support_radius
+    residuals.into_iter().map(|r| r.abs() / (steepness * steepness)).fold(0.0, worse) / element.support_radius
 }
 
 /// Any finite number, more often an ordinary one.

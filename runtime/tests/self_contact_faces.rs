@@ -195,6 +195,7 @@ fn no_side_has_a_role() {
         };
         let reversed: Vec<Point> = positions.iter().rev().copied().collect();
         let (one, other) = (at(&mesh, &positions), at(&backward, &reversed));
+        assert!(one.iter().map(|force| force[2].abs()).sum::<f64>() > 10.0);
         for (one, other) in one.iter().zip(other.iter().rev()) {
             let error = (0..3).map(|axis| (one[axis] - other[axis]).abs()).fold(0.0, crate::common::worse);
             assert!(error < 1e-9, "{one:?} {other:?}");

@@ -4,7 +4,7 @@ use diffuse_contact::interface::{InterfaceOptions, PairedElement};
 use diffuse_contact::surface::Facet;
 use diffuse_contact::{Mode, Point};
 
-use crate::common::{Mesh, Scene, Uniform, hull_layers};
+use crate::common::{Mesh, Scene, Uniform, hull_layers, worse};
 
 /// The default, and hull layers.
 fn rules() -> [(&'static str, InterfaceOptions); 2] {
@@ -39,7 +39,7 @@ fn weighted(scene: &Scene, k: usize) -> impl Iterator<Item = Point> {
 }
 
 fn largest(values: impl Iterator<Item = f64>) -> f64 {
-    values.map(f64::abs).fold(0.0, f64::max)
+    values.map(f64::abs).fold(0.0, worse)
 }
 
 #[test]

@@ -141,7 +141,7 @@ pub enum AssemblyError {
     /// The slice to add to has the wrong length.
     #[error("the {what} have {found} entries instead of {expected}")]
     OutputLength {
-        /// `"forces"`, `"values"` or `"row offsets"`.
+        /// `"forces"`, `"values"`, `"row offsets"`, `"entries of v"`, `"products"` or `"diagonal entries"`.
         what: &'static str,
         /// Its length.
         found: usize,
@@ -226,7 +226,7 @@ pub enum AssemblyError {
     /// A sum left the range of numbers, or was not finite before anything was added.
     #[error("the {what} of equation {equation} are not finite")]
     Overflow {
-        /// `"forces"` or `"values"`.
+        /// `"forces"`, `"values"`, `"products"` or `"diagonal entries"`.
         what: &'static str,
         /// The first such equation.
         equation: usize,

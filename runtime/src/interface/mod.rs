@@ -6,9 +6,9 @@
 //! ```
 //!
 //! * **Pairing data** (masters, support radius, basis, the facet that says which side is outside; the frame, if
-//!   frames are held; the facet of a node-to-facet element) are piecewise constant: only
-//!   [`refresh_pairing`](ContactInterface::refresh_pairing) changes them. Call it once an increment, and
-//!   [`follow`](ContactInterface::follow) in its iterations. By rules other than nodal domains the gap may jump, by as much as the report says.
+//!   frames are held; the facet of a node-to-facet element) are piecewise constant.
+//!   Call [`refresh_pairing`](ContactInterface::refresh_pairing) once an increment and
+//!   [`follow`](ContactInterface::follow) in its iterations: they change them where positions ask for it. By rules other than nodal domains the gap may jump, by as much as the report says.
 //! * **Every slave has an [`Outcome`]**: contact, with what the search had to give up for it, or the named
 //!   reason why not. [`InterfaceError`]s are for what the caller has to mend.
 //! * **Derivatives** are with respect to the global coordinates of slave, master 1, …, master n, with the

@@ -66,7 +66,8 @@ fn forces_and_moments_balance_with_friction() {
 
 #[test]
 fn the_tangent_with_friction_is_exact_with_the_points_held() {
-    for (element, triangles) in elements().into_iter().zip([false, true, false, true]) {
+    let all = elements().into_iter().enumerate().map(|(k, element)| (element, k % 2 == 1));
+    for (element, triangles) in all.chain([(ContactElement::NodeToFacet, false)]) {
         let pair = bumps(triangles);
         assert_tangent_at(&pair, &mut interface(&pair, element, &[]), &law(), &moved(&pair, 1.0), 43);
     }

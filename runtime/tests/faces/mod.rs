@@ -259,9 +259,10 @@ fn forces_and_moments_of_faces_of_second_order_balance() {
 /// K by the positions of all nodes, against differences of the forces with the points held.
 #[test]
 fn the_tangent_is_exact_with_the_points_held() {
-    for (element, triangles) in elements().into_iter().zip([false, true, false, true]) {
-        assert_tangent(&bumps(triangles), element, &[]);
+    for (k, element) in elements().into_iter().enumerate() {
+        assert_tangent(&bumps(k % 2 == 1), element, &[]);
     }
+    assert_tangent(&bumps(false), ContactElement::NodeToFacet, &[]);
     for second in Second::ALL {
         let (pair, faces) = bumps_of_second_order(second);
         assert_tangent(&pair, ContactElement::default(), &faces);

@@ -532,14 +532,17 @@ fn a_part_refuses_extents_that_are_not_of_the_whole_and_planes_that_cut_it() {
     assert_eq!(cut.unwrap_err().code(), "cut-by-symmetry");
     let low = [f64::NAN, 0.0, 0.0];
     let high = [8.0, 7.5, 0.0];
-    for given in
-        [Extents::NONE, Extents { low, ..own }, Extents { high, ..own }, Extents { facet: 0.5, ..own }]
-    {
-        // NaN is not equal to itself.
+    for (given, expected) in [
+        (Extents::NONE, "x"),
+        (Extents { low, ..own }, "x"),
+        (Extents { high, ..own }, "y"),
+        (Extents { facet: 0.5, ..own }, "a facet"),
+    ] {
         let error = made(given, &[]).unwrap_err();
-        assert!(
-            matches!(error, InterfaceError::Window(WindowError::InvalidExtents { own: held, .. }) if held == own)
-        );
+        let InterfaceError::Window(WindowError::InvalidExtents { along, .. }) = error else {
+            panic!("{error}")
+        };
+        assert_eq!(along, expected);
     }
     let nothing = PartFacets { facets: &[], facet_numbers: &[], owned: &[], ..rank.facets(Extents::NONE) };
     assert!(SurfacePart::new(&nothing, &options, &[]).is_ok());

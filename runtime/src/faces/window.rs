@@ -102,7 +102,11 @@ impl FaceInterface {
         let own = InterfaceOptions { areas: false, ..options.interface };
         if own.distance_limit.is_none() {
             let range = "finite, as faces in a window need it";
-            return Err(InterfaceError::InvalidOption { name: "distance_limit", range, value: f64::INFINITY });
+            return Err(InterfaceError::InvalidOption {
+                name: "distance_limit",
+                range,
+                value: f64::INFINITY,
+            });
         }
         if master.setup.planes != slave.setup.planes {
             return Err(InterfaceError::OtherThanWindow { what: "symmetry of the slave" });

@@ -182,20 +182,28 @@ impl PartFacets<'_> {
         check_boxes(&[self.known], 0.0)?;
         let own = self.own_extents()?;
         // Planes of symmetry have images as far as the extents say. A rank without facets looks at none.
-        if self.facets.is_empty() || holds(&self.extents, &own) {
-            return Ok(());
+        if !self.facets.is_empty() {
+            check_extents(&self.extents, &own)?;
         }
-        Err(WindowError::InvalidExtents { given: self.extents, own }.into())
+        Ok(())
     }
 }
 
-/// Whether extents are finite and hold others.
-fn holds(whole: &Extents, own: &Extents) -> bool {
-    let holds = |axis: usize| {
-        let (low, high) = (whole.low[axis], whole.high[axis]);
-        low.is_finite() && high.is_finite() && low <= own.low[axis].min(high) && own.high[axis] <= high
+/// Extents of the whole surface are finite and hold those of the own facets.
+fn check_extents(whole: &Extents, own: &Extents) -> Result<(), WindowError> {
+    let ways = |extents: &Extents| {
+        let Extents { low, high, facet } = *extents;
+        [[low[0], high[0]], [low[1], high[1]], [low[2], high[2]], [0.0, facet]]
     };
-    (0..3).all(holds) && whole.facet.is_finite() && own.facet <= whole.facet
+    for ((along, given), own) in ["x", "y", "z", "a facet"].into_iter().zip(ways(whole)).zip(ways(own)) {
+        let is_finite = given.iter().all(|x| x.is_finite());
+        // Of no own facet there is nothing to hold.
+        let holds = own[0] > own[1] || (given[0] <= own[0] && own[1] <= given[1]);
+        if !(is_finite && given[0] <= given[1] && holds) {
+            return Err(WindowError::InvalidExtents { along, given, own });
+        }
+    }
+    Ok(())
 }
 
 /// Places in ascending order of their numbers, which are different and not too large.

@@ -1,6 +1,5 @@
 //! Why there is no window.
 
-use super::Extents;
 use crate::surface::SurfaceError;
 
 /// Why numbers are no window, or windows do not go together.
@@ -43,12 +42,16 @@ pub enum WindowError {
         skin: f64,
     },
     /// Extents said to be of the whole surface are not finite, or do not hold the own facets.
-    #[error("extents {given:?} are not finite, or do not hold those of the own facets, {own:?}")]
+    #[error(
+        "extents along {along}, {given:?}, are not finite, or do not hold those of the own facets, {own:?}"
+    )]
     InvalidExtents {
-        /// Those of the whole surface.
-        given: Extents,
-        /// Those of the own facets.
-        own: Extents,
+        /// `"x"`, `"y"`, `"z"`, or `"a facet"` for the largest extent of one, which begins with 0.
+        along: &'static str,
+        /// From where to where the whole surface is said to reach, length.
+        given: [f64; 2],
+        /// From where to where the own facets reach.
+        own: [f64; 2],
     },
     /// Windows are for slaves whose masters are found by domains of influence.
     #[error(

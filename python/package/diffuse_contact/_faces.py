@@ -220,7 +220,7 @@ class FaceInterface(FrictionHistory):
 
         Raises:
             InterfaceError: ``"invalid-option"`` without a limit of the distance; ``"other-than-window"`` for other
-                options, or where planes of symmetry differ; ``"incomplete-window"`` for a window with something missing;
+                options, or where planes of symmetry differ; ``"incomplete-window"`` for a window that lacks something;
                 ``"repeated-node"`` for a node twice in a face; ``"in-window"`` later for what takes the whole.
 
         """

@@ -316,3 +316,50 @@ fn the_cells_of_a_ring_may_be_as_long_as_they_like() {
         assert!(mean < 14.0 && largest <= 24, "{around} × {across}: {mean}, {largest}");
     }
 }
+
+/// A thin plate, waved: its rim is a row of two cells that bends in its plane, and asks for nodes from end to end.
+#[test]
+fn the_rim_of_a_wavy_plate_does_not_reach_into_its_faces() {
+    let wave = |[x, y, z]: Point| [x, y, z + 0.2 * (0.8 * x).sin()];
+    let mut plate = Mesh::block([12, 8, 2], [6.0, 4.0, 0.25]);
+    plate.positions = plate.positions.into_iter().map(wave).collect();
+    let mut random = Uniform(12);
+    let slaves: Vec<Point> =
+        (0..400).map(|_| wave([4.5 * random.signed(), 2.5 * random.signed(), 0.25])).collect();
+    let mut scene = plate.paired(&slaves, InterfaceOptions::default());
+    let contacts = scene.interface.evaluate(Mode::Value).unwrap();
+    assert!(contacts.iter().all(|contact| contact.outcome.is_contact()));
+    let error = largest(contacts.iter().map(|contact| contact.point.gap));
+    let most = (0..slaves.len()).map(|k| weighted(&scene, k).count()).max().unwrap();
+    assert!(error < 6e-3 && most <= 24, "{error} {most}");
+}
+
+/// Long triangles of different shapes: a straight way to a node is over facets whose corners are all farther than the node.
+#[test]
+fn over_long_triangles_lists_are_complete() {
+    let height = |x: f64, y: f64| 0.3 * (0.7 * x).sin() * (0.6 * y).cos();
+    let mut random = Uniform(3);
+    let mut triangles = Mesh::grid([13, 4], [false; 2], |s, t| [s, t, 0.0]);
+    for x in &mut triangles.positions {
+        let mut moved = |x: f64, cells: f64| {
+            let by = 0.3 * random.signed();
+            12.0 * if x > 0.0 && x < 1.0 { x + by / cells } else { x }
+        };
+        let (a, b) = (moved(x[0], 12.0), moved(x[1], 3.0));
+        *x = [a, b, height(a, b)];
+    }
+    let halves = |facet: &Facet| match *facet {
+        Facet::Quadrilateral([a, b, c, d]) => vec![Facet::Triangle([a, b, d]), Facet::Triangle([b, c, d])],
+        triangle @ Facet::Triangle(_) => vec![triangle],
+    };
+    triangles.facets = triangles.facets.iter().flat_map(halves).collect();
+    for start in [3.2, 5.1, 7.4] {
+        let path = |t: f64| {
+            let (x, y) = (2.0 + 8.0 * t, start + 1.3 * t);
+            [x, y, height(x, y) + 0.02]
+        };
+        let steps = slide(&triangles, InterfaceOptions::default(), path, 2000);
+        let jump = largest(steps.windows(3).map(|steps| steps[0][1] - 2.0 * steps[1][1] + steps[2][1]));
+        assert!(jump < 1e-4, "{start}: {jump}");
+    }
+}

@@ -169,7 +169,7 @@ fn factor_at(
             let largest = if is_quadratic || is_decided { complete } else { 0.0 };
             let widest = WIDEST * farthest;
             let largest = if is_all && sheets.symmetry.is_none() { widest } else { largest.min(widest) };
-            let is_long = is_quadratic && farthest > LARGEST_FACTOR;
+            let is_long = is_quadratic && (farthest > LARGEST_FACTOR || !is_all);
             let largest = if is_long { largest.min(LARGEST_FACTOR) } else { largest };
             if let Some(factor) = smallest_factor(&scratch.nodes, weight, carried, largest) {
                 return (factor, carried);

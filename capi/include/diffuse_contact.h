@@ -658,8 +658,9 @@ enum dc_status dc_follow(struct dc_interface *interface,
 // Takes over the positions and pairs every slave. Call it once an increment. `report` may be NULL; its field `size` has to be set.
 //
 // With DC_DOMAINS lists of nodes are kept while nothing has moved by more than half their skin, 0.06 of the shortest half axis of their
-// domains, nor so far that another sheet may be the closest one. New lists of the same sheet change no gap, and jump_node is -1. Domains lie in the configuration of dc_create and are never renewed: they turn and
-// stretch with the master. The first refresh of an increment is followed by dc_follow in its iterations.
+// domains, nor so far that another sheet may be the closest one. New lists of the same sheet change no gap, and jump_node is -1. Domains
+// lie in the configuration of dc_create and are never renewed: they turn and stretch with the master. The first refresh of an increment is
+// followed by dc_follow in its iterations.
 //
 // DC_FROZEN while the interface is frozen: it did what dc_update does, and the report is empty.
 //

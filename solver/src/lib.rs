@@ -46,8 +46,8 @@
 //!   Hessian come from one evaluation either way.
 //! * **System.** The symmetric factorisation L B Lᵀ pivots within supernodes only. Its failures show in a lost pivot or in the residual,
 //!   which every solution is checked by; then L U is used. The condition is estimated with a load without order, of L U always and of
-//!   L B Lᵀ once for each pattern of an increment. If a body comes loose without a change of pattern, only small pivots or a large residual reveal it;
-//!   rounding can hide both.
+//!   L B Lᵀ once for each pattern of an increment. If a body comes loose without a change of pattern, only small pivots or a large
+//!   residual reveal it; rounding can hide both.
 //! * **State.** All history lies in `State`: positions, plastic states, multipliers, counters, and which slaves carry force.
 //!   Pairings are none of it: they follow from the positions. A failed increment leaves the state untouched but for the count of
 //!   iterations. A restart leads to the same end, bit for bit.

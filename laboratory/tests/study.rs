@@ -20,7 +20,7 @@ fn json(arguments: &[&str]) -> Value {
 
 /// One number of `study accuracy --json`.
 fn error(all: &Value, shape: &str, degrees: f64, element: &str, what: &str) -> f64 {
-    let mut found = all.as_array().unwrap().iter().filter(|found| {
+    let mut found = all["patches"].as_array().unwrap().iter().filter(|found| {
         found["shape"] == shape && found["cell_degrees"] == degrees && found["element"] == element
     });
     found.next().unwrap()[what].as_f64().unwrap()
@@ -29,7 +29,8 @@ fn error(all: &Value, shape: &str, degrees: f64, element: &str, what: &str) -> f
 #[test]
 fn errors_fall_at_their_orders() {
     let all = json(&["study", "accuracy", "--json"]);
-    assert_eq!(all.as_array().unwrap().len(), 3 * 5 * 4);
+    assert_eq!(all["patches"].as_array().unwrap().len(), 3 * 5 * 4);
+    bodies_are_no_worse_than_with_facets(&all["bodies"]);
     let order = |shape: &str, element: &str, what: &str| {
         let [coarse, fine] = [10.0, 5.0].map(|size| error(&all, shape, size, element, what));
         (coarse / fine).log2()
@@ -62,6 +63,28 @@ fn errors_fall_at_their_orders() {
             assert!((found / expected - 1.0).abs() < 0.02, "{degrees}°, {element}, {what}: {found}");
         }
     }
+}
+
+/// Beside sharp edges, on rims of one row of cells and in small holes, too.
+fn bodies_are_no_worse_than_with_facets(all: &Value) {
+    let all = all.as_array().unwrap();
+    assert!(all.len() > 100, "{}", all.len());
+    let gap = |found: &Value| found["gap_max"].as_f64().unwrap();
+    let of = |element: &'static str| all.iter().filter(move |found| found["element"] == element);
+    for (facets, smooth) in of("facets").zip(of("smooth")) {
+        assert_eq!(["body", "face", "triangles"].map(|what| facets[what] == smooth[what]), [true; 3]);
+        // A linear fit over one row of triangles has a node less on one side.
+        let most = if facets["triangles"] == true { 1.7 } else { 1.002 };
+        assert!(gap(smooth) < most * gap(facets) + 1e-12, "{facets} {smooth}");
+    }
+    // One row of cells carries no curvature; two rows do.
+    let smooth = |body: &str, face: &str| {
+        let found = of("smooth").find(|found| found["body"] == body && found["face"] == face).unwrap();
+        gap(found)
+    };
+    assert!(smooth("disc with a small hole", "inside") < 0.004);
+    assert!(smooth("tube of 16 cells", "inside") < 0.01);
+    assert!(smooth("ring of 24 cells", "inside") < 0.005);
 }
 
 #[test]

@@ -387,7 +387,13 @@ fn windows_of_one_surface_join_and_others_are_refused() {
     other[gap.unwrap()] += 1;
     let other = Window::from_numbers(&other, &reals).unwrap();
     assert!(matches!(Window::joined(&[one.clone(), other]), Err(WindowError::Differs { what: "facet", .. })));
-    integers[8] = integers[9];
+    let nodes = integers[5] as usize;
+    assert_eq!(integers[5], integers[6], "no sharp edge");
+    let mut wrong = integers.clone();
+    wrong[9 + nodes + 1] = 2;
+    let missed = WindowError::Invalid { what: "sheet node", place: 1 };
+    assert_eq!(Window::from_numbers(&wrong, &reals), Err(missed));
+    integers[9] = integers[10];
     assert_eq!(Window::from_numbers(&integers, &reals), Err(WindowError::Invalid { what: "node", place: 1 }),);
     // A window is for the options that it was made with, and the whole cannot be had from it.
     let mut part = part(&one, &case.slaves[..1], &whole.positions, case.options);

@@ -60,7 +60,7 @@ class PartDemands:
     Plain arrays, to be sent. Two rounds of them settle the domains.
 
     Attributes:
-        nodes: numbers of nodes in the whole surface, ascending, shape (n,).
+        nodes: numbers of nodes in the whole surface, ascending, each as often as sheets meet in it, shape (n,).
         factors: by how much their domains have to be larger, shape (n,): the largest of all parts counts. In the second
             round by how much they may shrink.
         crowded: in the second round whether a domain shrinks at all, uint8, shape (n,): it does if any part says 1.

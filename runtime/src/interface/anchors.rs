@@ -166,17 +166,17 @@ pub fn check_anchors(
     Ok(())
 }
 
-/// Nodes that carry anchors of a slave and are not among its masters join them, without a place: they take no part in its fit.
+/// Nodes that carry anchors of a slave and are not among its masters join them, without a sheet node: they take no part in its fit.
 pub fn list_carriers<'a>(
     anchors: impl IntoIterator<Item = &'a Anchor>,
     masters: &mut Vec<u32>,
-    places: &mut Vec<u32>,
+    sheet_nodes: &mut Vec<u32>,
     images: &mut [u32],
 ) {
     for Carrier { node, .. } in anchors.into_iter().flat_map(Anchor::carriers) {
         if let Err(place) = masters.binary_search(&node) {
             masters.insert(place, node);
-            places.insert(place, NONE);
+            sheet_nodes.insert(place, NONE);
             for [listed, _] in images.as_chunks_mut::<2>().0 {
                 *listed += u32::from(*listed as usize >= place);
             }
@@ -198,7 +198,7 @@ pub fn anchor_sources(paired: &Paired<'_>, anchor: &Anchor, sources: &mut Vec<An
     sources.clear();
     sources.extend(anchor.point.terms().iter().map(|&(Carrier { node, image }, weight)| {
         // With nodal domains they are in ascending order.
-        let listed = if paired.places.is_empty() {
+        let listed = if paired.sheet_nodes.is_empty() {
             paired.masters.iter().position(|&master| master == node)
         } else {
             paired.masters.binary_search(&node).ok()

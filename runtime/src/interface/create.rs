@@ -141,7 +141,7 @@ impl ContactInterface {
         let mut first = self.positions.clone();
         if let Some(nodal) = &self.nodal {
             for (place, &node) in self.master.nodes().iter().enumerate() {
-                first[node as usize] = nodal.domains.domain(place).position;
+                first[node as usize] = nodal.domains.first_position(place as u32);
             }
         }
         let index = self.master.at(&first)?;

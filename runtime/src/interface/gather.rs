@@ -75,19 +75,19 @@ impl Evaluator<'_> {
         let Some(nodal) = self.nodal else { return };
         let start = points.len();
         let mut images = paired.images.as_chunks::<2>().0.iter().peekable();
-        for (listed, (&node, &place)) in paired.masters.iter().zip(paired.places).enumerate() {
-            if place == NONE {
+        for (listed, (&node, &sheet_node)) in paired.masters.iter().zip(paired.sheet_nodes).enumerate() {
+            if sheet_node == NONE {
                 // It only carries the slave's anchor.
                 continue;
             }
             let x = self.positions[node as usize];
             points.push(x);
-            domains.push(nodal.domain(place, NONE));
+            domains.push(nodal.domain(sheet_node, NONE));
             sources.push(Source { listed: listed as u32, image: None });
             while let Some([_, number]) = images.next_if(|image| image[0] == listed as u32) {
                 let image = Some(*number);
                 points.push(self.image_of(image, x));
-                domains.push(nodal.domain(place, *number));
+                domains.push(nodal.domain(sheet_node, *number));
                 sources.push(Source { listed: listed as u32, image });
             }
         }
@@ -108,10 +108,10 @@ impl Evaluator<'_> {
         let Some(nodal) = self.nodal else { return Err(NoContact::NotPaired) };
         points.clear();
         domains.clear();
-        for &Listed { place, image } in listed {
-            let x = self.positions[self.surface.nodes()[place as usize] as usize];
+        for &Listed { node, image } in listed {
+            let x = self.positions[self.surface.nodes()[nodal.domains.place(node) as usize] as usize];
             points.push(self.image_of((image != NONE).then_some(image), x));
-            domains.push(nodal.domain(place, image));
+            domains.push(nodal.domain(node, image));
         }
         let outward = self.surface.shape(facet as usize, self.positions).normal().into();
         sought.clear();

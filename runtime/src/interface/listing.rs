@@ -28,7 +28,7 @@ impl Refresh<'_> {
     ) -> Result<Record, NoContact> {
         let node = self.old.layout.slave(k);
         let Evaluator { surface, creases, options, .. } = self.evaluator;
-        let RefreshScratch { masters, places, images, patch, element, .. } = scratch;
+        let RefreshScratch { masters, sheet_nodes, images, patch, element, .. } = scratch;
         let Closest { facet, .. } = *closest;
         let (wanted, falls_back, weight) = match options.element {
             ContactElement::Diffuse { search, weight, .. } => (search.basis, search.linear_fallback, weight),
@@ -50,23 +50,23 @@ impl Refresh<'_> {
         let listed = nodal.domains.listed(facet);
         let place = self.evaluator.place_among(listed, node, facet, weight, element).ok();
         let mut shortest = f64::INFINITY;
-        for &Listed { place: of_node, image } in listed {
-            let domain = nodal.domain(of_node, image);
+        for &Listed { node: listed, image } in listed {
+            let domain = nodal.domain(listed, image);
             let is_far = |place| domain.length(Vector3::from(domain.position) - place) >= 1.0 + SKIN;
             if place.is_some_and(is_far) {
                 continue;
             }
             shortest = shortest.min(domain.shortest());
-            if places.last() != Some(&of_node) {
-                places.push(of_node);
-                masters.push(surface.nodes()[of_node as usize]);
+            if sheet_nodes.last() != Some(&listed) {
+                sheet_nodes.push(listed);
+                masters.push(surface.nodes()[nodal.domains.place(listed) as usize]);
             }
             if image != NONE {
-                images.extend([places.len() as u32 - 1, image]);
+                images.extend([sheet_nodes.len() as u32 - 1, image]);
             }
         }
         creases.patch_with_end(surface, facet, masters, patch);
-        list_carriers(self.evaluator.anchors_of(k), masters, places, images);
+        list_carriers(self.evaluator.anchors_of(k), masters, sheet_nodes, images);
         Ok(Record { support_radius: shortest, basis, fallback, facet })
     }
 
@@ -74,7 +74,7 @@ impl Refresh<'_> {
     /// first configuration, where a slave's place moves by as much more.
     fn squeezed(&self, nodal: &Nodal, facet: u32) -> f64 {
         let (shape, places) = (self.index.shape(facet), self.evaluator.surface.corners_of(facet as usize));
-        let first = |corner: usize| Vector3::from(nodal.domains.domain(places[corner] as usize).position);
+        let first = |corner: usize| Vector3::from(nodal.domains.first_position(places[corner]));
         let ratio = |edge: usize| {
             let [from, to] = shape.edge(edge);
             (to - from).norm() / (first((edge + 1) % places.len()) - first(edge)).norm()
@@ -139,7 +139,10 @@ impl Refresh<'_> {
     fn lists_alike(&self, nodal: &Nodal, facet: u32, other: u32) -> bool {
         let corners = self.evaluator.surface.corners_of(other as usize);
         nodal.domains.carried(facet) == nodal.domains.carried(other)
-            && corners.iter().all(|&place| nodal.domains.lists(facet, place))
+            && corners.iter().all(|&place| {
+                let [one, two] = [facet, other].map(|facet| nodal.domains.listed_at(facet, place));
+                one.is_some() && one == two
+            })
     }
 
     /// Twice how far may be moved before another facet is the closest.

@@ -39,9 +39,9 @@ impl Nodal {
         Ok(Some(Self { domains, symmetry, creases, extents }))
     }
 
-    /// That of a node of the surface, or of its image with this number.
-    pub fn domain(&self, place: u32, image: u32) -> MaterialDomain {
-        let domain = *self.domains.domain(place as usize);
+    /// That of a sheet node, or of its image with this number.
+    pub fn domain(&self, node: u32, image: u32) -> MaterialDomain {
+        let domain = *self.domains.domain(node);
         if image == NONE { domain } else { self.symmetry.domain_of(image, &domain) }
     }
 }

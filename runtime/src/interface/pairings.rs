@@ -32,8 +32,8 @@ pub struct Pairings {
     /// The patch of each slave's masters, where it ends somewhere, so that a foot may lie beyond it. A node-to-facet element has
     /// none: it needs one only once the foot is off its facet.
     pub patches: Lists,
-    /// With nodal domains the place of each master among the surface's nodes, as masters are; else none.
-    pub places: Vec<u32>,
+    /// With nodal domains the sheet node of each master, as masters are; else none.
+    pub sheet_nodes: Vec<u32>,
     /// Images of each slave's masters: place of the master among them and number of the image, alternating, ascending.
     pub images: Lists,
 }
@@ -70,8 +70,8 @@ pub struct Paired<'a> {
     pub frame: Option<&'a Frame>,
     /// The facets of the masters' patch if that ends somewhere.
     pub patch: &'a [u32],
-    /// Of the masters among the surface's nodes; none without nodal domains.
-    pub places: &'a [u32],
+    /// Of the masters; none without nodal domains.
+    pub sheet_nodes: &'a [u32],
     /// Place and number of image, alternating.
     pub images: &'a [u32],
 }
@@ -84,7 +84,7 @@ impl Pairings {
         let lengths = std::iter::repeat_n(0, slaves.len());
         let layout = Arc::new(Layout::new(slaves, areas, lengths, Vec::new()));
         let (patches, images) = (Lists::default(), Lists::default());
-        Self { layout, records, holds, frames: Vec::new(), patches, places: Vec::new(), images }
+        Self { layout, records, holds, frames: Vec::new(), patches, sheet_nodes: Vec::new(), images }
     }
 
     /// The `k`-th slave.
@@ -96,7 +96,7 @@ impl Pairings {
             record,
             frame: self.frames.get(k),
             patch: self.patches.get(k),
-            places: self.places.get(self.layout.masters_range(k)).unwrap_or(&[]),
+            sheet_nodes: self.sheet_nodes.get(self.layout.masters_range(k)).unwrap_or(&[]),
             images: self.images.get(k),
         })
     }

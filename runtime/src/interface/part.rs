@@ -5,8 +5,8 @@ use crate::surface::window::{
     Box3, Extents, LARGEST_NUMBER, Setup, Sheet, Window, WindowError, check_boxes, widened,
 };
 use crate::surface::{
-    Carried, Creases, Demands, Facet, MasterSurface, NONE, NodalDomains, Ratios, Sheets, SurfaceError,
-    Symmetry, SymmetryPlane, check_facets, grown, shape_of, trimmed,
+    Carried, Creases, Demands, Facet, MasterSurface, NONE, NodalDomains, Ratios, SheetNodes, Sheets,
+    SurfaceError, Symmetry, SymmetryPlane, check_facets, grown, shape_of, trimmed,
 };
 use crate::{MaterialDomain, Point};
 
@@ -33,9 +33,9 @@ pub struct PartFacets<'a> {
 /// to know. Two rounds of them settle the domains.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct PartDemands {
-    /// Nodes, ascending, …
+    /// Nodes, ascending, each as often as sheets meet in it, …
     pub nodes: Vec<u64>,
-    /// … and the factors of their domains: the largest of all ranks is that of the node. In the second round those by which domains shrink.
+    /// … and the factors of their domains there: the largest of all ranks is that of the sheet's node. In the second round those by which domains shrink.
     pub factors: Vec<f64>,
     /// … and, in the second round, whether any place has so many masters that this domain may shrink, 1 or 0; 0 in the first.
     pub crowded: Vec<u8>,
@@ -59,7 +59,10 @@ pub struct SurfacePart {
     setup: Setup,
     symmetry: Symmetry,
     creases: Creases,
+    nodes: SheetNodes,
+    /// By sheet node.
     cells: Vec<MaterialDomain>,
+    first: Vec<Point>,
     /// Places of the own facets.
     own: Vec<u32>,
     /// By place, whether all facets at the node are here.
@@ -70,7 +73,7 @@ pub struct SurfacePart {
     node_numbers: Vec<u64>,
     facet_numbers: Vec<u64>,
     /// Where the node of a place is among the caller's.
-    nodes: Vec<usize>,
+    order: Vec<usize>,
     callers: usize,
 }
 
@@ -264,20 +267,28 @@ impl SurfacePart {
         Symmetry::check_sides(planes, &positions, part.extents.facet)?;
         let index = surface.at(&positions)?;
         let creases = Creases::new(&index, options.feature_angle_degrees.to_radians(), &symmetry);
-        let sheets =
-            Sheets { index: &index, creases: &creases, symmetry: &symmetry, complete: Some(&complete) };
+        let sheet_nodes = SheetNodes::new(&surface, &creases);
+        let sheets = Sheets {
+            index: &index,
+            creases: &creases,
+            nodes: &sheet_nodes,
+            symmetry: &symmetry,
+            complete: Some(&complete),
+        };
         let own = (0..facets.len()).filter(|&place| part.owned[facets[place]]).map(|place| place as u32);
         let own: Vec<u32> = own.collect();
         let cells = sheets.cells();
         let demands = sheets.demands(&cells, setup.weight, setup.basis, &own);
         let made = Self {
+            nodes: sheet_nodes,
             cells,
+            first: positions,
             demands,
             own,
             node_numbers: nodes.iter().map(|&node| part.node_numbers[node]).collect(),
             facet_numbers: facets.iter().map(|&facet| part.facet_numbers[facet]).collect(),
             callers: nodes.len(),
-            nodes,
+            order: nodes,
             setup,
             creases,
             symmetry,
@@ -307,11 +318,7 @@ impl SurfacePart {
         match &self.stage {
             Stage::Demanded => {
                 let Demands { factors, bases, .. } = &self.demands;
-                for (&number, &factor) in self.node_numbers.iter().zip(factors).filter(|own| *own.1 > 0.0) {
-                    all.nodes.push(number);
-                    all.factors.push(factor);
-                    all.crowded.push(0);
-                }
+                self.ask(&mut all, factors, |_| false);
                 let carried = self.facet_numbers.iter().zip(bases);
                 for (&number, &carried) in carried.filter(|(_, carried)| **carried != Carried::Quadratic) {
                     all.facets.push(number);
@@ -319,16 +326,40 @@ impl SurfacePart {
                 }
             }
             Stage::Grown { ratios: Ratios { ratios, crowded, .. }, .. } => {
-                let nodes = self.node_numbers.iter().zip(ratios).zip(crowded);
-                for ((&number, &ratio), &crowded) in nodes.filter(|((_, ratio), _)| **ratio > 0.0) {
-                    all.nodes.push(number);
-                    all.factors.push(ratio);
-                    all.crowded.push(u8::from(crowded));
-                }
+                self.ask(&mut all, ratios, |node| crowded[node]);
             }
             Stage::Settled(_) => {}
         }
         all
+    }
+
+    /// Adds nodes with their factors, of all sheets where there is one of any.
+    fn ask(&self, all: &mut PartDemands, factors: &[f64], is_crowded: impl Fn(usize) -> bool) {
+        let places = self.nodes.places();
+        for own in (0..places.len()).collect::<Vec<_>>().chunk_by(|&one, &two| places[one] == places[two]) {
+            if own.iter().any(|&node| factors[node] > 0.0) {
+                for &node in own {
+                    all.nodes.push(self.node_numbers[places[node] as usize]);
+                    all.factors.push(factors[node]);
+                    all.crowded.push(u8::from(is_crowded(node)));
+                }
+            }
+        }
+    }
+
+    /// The own sheet nodes that another part asks for, each with its place there.
+    fn asked(&self, other: &PartDemands) -> impl Iterator<Item = (usize, usize)> {
+        let same = other.nodes.chunk_by(|one, two| one == two);
+        let starts = same.scan(0, |end, numbers| {
+            let start = *end;
+            *end += numbers.len();
+            Some((start, numbers))
+        });
+        starts.flat_map(|(start, numbers)| {
+            let place = self.node_numbers.binary_search(&numbers[0]);
+            let own = place.map_or(0..0, |place| self.nodes.at_place(place as u32));
+            own.map(|node| node as usize).zip(start..start + numbers.len())
+        })
     }
 
     /// Takes over what other ranks ask for, all those whose known boxes meet that of this part. What concerns nodes and facets that are
@@ -350,11 +381,11 @@ impl SurfacePart {
 
     /// Runs with the sheets of the part.
     fn with_sheets<T>(&self, run: impl FnOnce(&Sheets<'_>) -> T) -> Result<T, InterfaceError> {
-        let positions: Vec<Point> = self.cells.iter().map(|cell| cell.position).collect();
-        let index = self.surface.at(&positions)?;
+        let index = self.surface.at(&self.first)?;
         Ok(run(&Sheets {
             index: &index,
             creases: &self.creases,
+            nodes: &self.nodes,
             symmetry: &self.symmetry,
             complete: Some(&self.complete),
         }))
@@ -363,10 +394,8 @@ impl SurfacePart {
     fn grow(&self, others: &[PartDemands]) -> Result<Stage, InterfaceError> {
         let Demands { mut factors, mut bases, .. } = self.demands.clone();
         for other in others {
-            for (number, &factor) in other.nodes.iter().zip(&other.factors) {
-                if let Ok(place) = self.node_numbers.binary_search(number) {
-                    factors[place] = factors[place].max(factor);
-                }
+            for (node, k) in self.asked(other) {
+                factors[node] = factors[node].max(other.factors[k]);
             }
             for (number, &carried) in other.facets.iter().zip(&other.bases) {
                 if let Ok(place) = self.facet_numbers.binary_search(number) {
@@ -391,11 +420,9 @@ impl SurfacePart {
     ) -> Result<Stage, InterfaceError> {
         let mut all = own.clone();
         for other in others {
-            for ((number, &ratio), &crowded) in other.nodes.iter().zip(&other.factors).zip(&other.crowded) {
-                if let Ok(place) = self.node_numbers.binary_search(number) {
-                    all.ratios[place] = all.ratios[place].max(ratio);
-                    all.crowded[place] |= crowded != 0;
-                }
+            for (node, k) in self.asked(other) {
+                all.ratios[node] = all.ratios[node].max(other.factors[k]);
+                all.crowded[node] |= other.crowded[k] != 0;
             }
         }
         let domains = trimmed(domains, &all);
@@ -403,7 +430,7 @@ impl SurfacePart {
         let mut lists = vec![Vec::new(); self.surface.facet_count()];
         for (&facet, list) in self.own.iter().zip(found) {
             // The facets at listed nodes are known with all that lies across their edges.
-            let around = list.iter().flat_map(|own| self.surface.facets_of_place(own.place as usize));
+            let around = list.iter().flat_map(|own| self.surface.facets_of_place(self.nodes.place(own.node)));
             let mut corners = around.flat_map(|&facet| self.surface.corners_of(facet as usize));
             if !corners.all(|&place| self.complete[place as usize]) {
                 open.push(facet);
@@ -413,7 +440,7 @@ impl SurfacePart {
         open.sort_unstable();
         open.dedup();
         self.check_width(&open)?;
-        Ok(Stage::Settled(NodalDomains::given(domains, bases.to_vec(), &lists)))
+        Ok(Stage::Settled(NodalDomains::given(self.nodes.places().to_vec(), domains, bases.to_vec(), &lists)))
     }
 
     /// What slaves in these boxes can need of the own facets, as [`ContactInterface::window`](super::ContactInterface::window). Positions
@@ -433,7 +460,7 @@ impl SurfacePart {
         };
         let boxes_with_skin: Vec<Box3> = boxes.iter().map(|own| widened(*own, skin)).collect();
         let is_near = |facet: u32| {
-            let x = |place: u32| positions[self.nodes[place as usize]];
+            let x = |place: u32| positions[self.order[place as usize]];
             let (lower, upper) = self.surface.shape_by(facet as usize, x).bounds();
             let (lower, upper) = (Point::from(lower), Point::from(upper));
             let meets = |[low, high]: &Box3| (0..3).all(|k| low[k] <= upper[k] && lower[k] <= high[k]);

@@ -64,7 +64,7 @@ pub struct RefreshScratch {
     walk: Walk,
     ties: Vec<Closest>,
     pub(super) masters: Vec<u32>,
-    pub(super) places: Vec<u32>,
+    pub(super) sheet_nodes: Vec<u32>,
     pub(super) images: Vec<u32>,
     pub(super) patch: Vec<u32>,
     pub(super) element: ElementScratch,
@@ -77,7 +77,7 @@ impl RefreshScratch {
             walk: Walk::default(),
             ties: Vec::new(),
             masters: Vec::new(),
-            places: Vec::new(),
+            sheet_nodes: Vec::new(),
             images: Vec::new(),
             patch: Vec::new(),
             element: ElementScratch::default(),
@@ -95,7 +95,7 @@ struct Chunk {
     ends: Vec<usize>,
     frames: Vec<Frame>,
     patches: Lists,
-    places: Vec<u32>,
+    sheet_nodes: Vec<u32>,
     images: Lists,
     report: RefreshReport,
 }
@@ -149,11 +149,14 @@ impl Refresh<'_> {
             frames.extend(chunk.frames.get(own));
             patches.push(chunk.patches.get(own));
             images.push(chunk.images.get(own));
-            listed.extend_from_slice(chunk.places.get(chunk.range_of(own)).unwrap_or(&[]));
+            listed.extend_from_slice(chunk.sheet_nodes.get(chunk.range_of(own)).unwrap_or(&[]));
         }
         let lengths = places.iter().map(|place| chunks[place / CHUNK].masters_of(place % CHUNK).len());
         let layout = Layout::new(old.slaves().to_vec(), old.areas().to_vec(), lengths, masters);
-        (Pairings { layout: layout.into(), records, holds, frames, patches, places: listed, images }, report)
+        (
+            Pairings { layout: layout.into(), records, holds, frames, patches, sheet_nodes: listed, images },
+            report,
+        )
     }
 
     /// Pairs the `k`-th slave and books it.
@@ -175,9 +178,9 @@ impl Refresh<'_> {
             closest.as_ref().map_err(|reason| *reason),
             record.as_ref().map_err(|reason| *reason),
         ));
-        let RefreshScratch { masters, places, images, patch, element, .. } = scratch;
+        let RefreshScratch { masters, sheet_nodes, images, patch, element, .. } = scratch;
         let paired = record.as_ref().map_err(|reason| *reason).and_then(|record| {
-            let paired = Paired { slave: node, masters, record, frame: None, patch, places, images };
+            let paired = Paired { slave: node, masters, record, frame: None, patch, sheet_nodes, images };
             Ok((paired, self.evaluator.held_frame(&paired, element)?))
         });
         let report = &mut chunk.report;
@@ -202,7 +205,7 @@ impl Refresh<'_> {
                 chunk.records.push(record);
                 chunk.frames.extend(frame);
                 chunk.patches.push(patch);
-                chunk.places.extend_from_slice(places);
+                chunk.sheet_nodes.extend_from_slice(sheet_nodes);
                 chunk.images.push(images);
             }
             Err(reason) => {
@@ -309,9 +312,9 @@ impl Refresh<'_> {
     /// The pairing of the `k`-th slave with the masters around its closest facet, which go to `scratch.masters`.
     fn pair(&self, k: usize, closest: &Closest, scratch: &mut RefreshScratch) -> Result<Record, NoContact> {
         let Evaluator { surface, creases, positions, options, .. } = self.evaluator;
-        let RefreshScratch { search, walk, masters, places, images, patch, .. } = scratch;
+        let RefreshScratch { search, walk, masters, sheet_nodes, images, patch, .. } = scratch;
         masters.clear();
-        places.clear();
+        sheet_nodes.clear();
         images.clear();
         patch.clear();
         if let Some(nodal) = self.evaluator.nodal {

@@ -15,20 +15,20 @@ const ACROSS: f64 = 2.0;
 const THINNEST: f64 = 1e-3;
 
 impl Sheets<'_> {
-    /// Per node its position and the metric of its cells.
+    /// Per sheet node its position and the metric of its cells.
     pub fn cells(&self) -> Vec<MaterialDomain> {
-        let Sheets { index, symmetry, .. } = *self;
+        let Sheets { index, nodes, symmetry, .. } = *self;
         let surface = index.surface();
         let positions = index.positions();
-        (0..surface.nodes().len())
+        (0..nodes.places().len() as u32)
             .into_par_iter()
-            .map(|place| {
+            .map(|node| {
+                let place = nodes.place(node);
                 let position = positions[place];
                 let own = Vector3::from(position);
-                let mut others: Vec<u32> = surface
-                    .facets_of_place(place)
-                    .iter()
-                    .flat_map(|&facet| surface.corners_of(facet as usize))
+                let mut others: Vec<u32> = nodes
+                    .facets(surface, node)
+                    .flat_map(|facet| surface.corners_of(facet as usize))
                     .copied()
                     .filter(|&other| other as usize != place)
                     .collect();

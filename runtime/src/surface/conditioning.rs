@@ -12,7 +12,8 @@ const BISECTIONS: usize = 8;
 /// A node, or an image of one, seen from a centre.
 #[derive(Clone, Copy)]
 pub(super) struct Near {
-    pub place: u32,
+    /// The sheet node.
+    pub node: u32,
     /// In the plane of the centre, length.
     pub offset: [f64; 2],
     /// t1ᵀG t1, t1ᵀG t2, t2ᵀG t2 over the trace, with the axes t1, t2 of the plane and the metric G of the node's cells.

@@ -1,29 +1,37 @@
 //! Domains of influence that belong to the nodes, in the first configuration (`docs/equations.md`, [T14], [T18]).
 //!
 //! A node takes part in the fits of all slaves whose place in the first configuration lies in its domain, an ellipsoid that stays
-//! what it is there. Its axes are those of the node's cells: C_k is the mean of e eᵀ over the edges e to the nodes of its facets,
+//! what it is there. Its axes are those of the node's cells: C_k is the mean of e eᵀ over the edges e to the nodes of its facets on the sheet,
 //! |U (X − X_k)| with UᵀU = C_k⁻¹/s_k² the distance from it, 1 on its border. The factors s_k are as small as the conditioning of the
 //! fits allows. At each *centre* c (a node, the middle of an edge or of a facet, a point halfway between these) let s(c) be the smallest
 //! factor for which the weighted design matrix of the nodes nearer than s, columns scaled to length one, has no singular value below
 //! [`SMALLEST_SINGULAR_VALUE`](super::conditioning::SMALLEST_SINGULAR_VALUE). s_k is the largest s(c) of all centres that the node serves, and a
 //! little more. Where that makes more masters than fits need, domains shrink again ([`trim`](super::trim)).
 //!
+//! A node on a sharp edge has a domain in each of the sheets that meet there, a *sheet node*: cells of other sheets say nothing of the fits
+//! on this one.
+//!
 //! Which nodes a slave may need follows from its closest facet, so facets have lists of them, found once.
 
+use std::ops::Range;
+
 use super::fits::Demands;
+use super::sheet_nodes::{SheetNodes, at_place};
 use super::sheets::{Carried, Listed, Sheets};
 use super::topology::NONE;
 use super::trim::trimmed;
 use super::{Creases, SurfaceIndex, Symmetry};
-use crate::{Basis, MaterialDomain, Weight};
+use crate::{Basis, MaterialDomain, Point, Weight};
 
 /// Domains are wider than the centres ask for by this factor: slaves are elsewhere, too.
 const MORE: f64 = 1.09;
 
-/// The domains of all nodes of a surface, and where its facets carry which basis.
+/// The domains of all sheet nodes of a surface, and where its facets carry which basis.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct NodalDomains {
-    /// By place among the surface's nodes; a metric of zeros where no fit takes the node.
+    /// By sheet node its place among the surface's nodes, ascending.
+    places: Vec<u32>,
+    /// By sheet node; a metric of zeros where no fit takes it.
     domains: Vec<MaterialDomain>,
     /// Per facet the basis that the fits on it carry.
     bases: Vec<Carried>,
@@ -44,7 +52,8 @@ impl NodalDomains {
         weight: Weight,
         basis: Basis,
     ) -> Self {
-        let sheets = Sheets { index, creases, symmetry, complete: None };
+        let nodes = SheetNodes::new(index.surface(), creases);
+        let sheets = Sheets { index, creases, nodes: &nodes, symmetry, complete: None };
         let cells = sheets.cells();
         let facets: Vec<u32> = (0..index.surface().facet_count() as u32).collect();
         let Demands { factors, bases, .. } = sheets.demands(&cells, weight, basis, &facets);
@@ -55,11 +64,16 @@ impl NodalDomains {
             domains = trimmed(&domains, &ratios);
             lists = sheets.lists(&domains, &facets).0;
         }
-        Self::given(domains, bases, &lists)
+        Self::given(nodes.places().to_vec(), domains, bases, &lists)
     }
 
-    /// With domains by place, and bases and lists by facet.
-    pub fn given(domains: Vec<MaterialDomain>, bases: Vec<Carried>, lists: &[Vec<Listed>]) -> Self {
+    /// With places and domains by sheet node, and bases and lists by facet.
+    pub fn given(
+        places: Vec<u32>,
+        domains: Vec<MaterialDomain>,
+        bases: Vec<Carried>,
+        lists: &[Vec<Listed>],
+    ) -> Self {
         let ends = lists
             .iter()
             .scan(0, |end, list| {
@@ -68,7 +82,7 @@ impl NodalDomains {
             })
             .collect();
         let shortest = domains.iter().map(MaterialDomain::shortest).fold(f64::INFINITY, f64::min);
-        Self { domains, bases, listed: lists.concat(), ends, shortest }
+        Self { places, domains, bases, listed: lists.concat(), ends, shortest }
     }
 
     /// Whether lists name no image from this number on; else the place of one that does among those listed.
@@ -77,9 +91,24 @@ impl NodalDomains {
         self.listed.iter().position(|listed| !is_image(listed)).map_or(Ok(()), Err)
     }
 
-    /// That of the node at a place.
-    pub fn domain(&self, place: usize) -> &MaterialDomain {
-        &self.domains[place]
+    /// That of a sheet node.
+    pub fn domain(&self, node: u32) -> &MaterialDomain {
+        &self.domains[node as usize]
+    }
+
+    /// The place of a sheet node among the surface's nodes.
+    pub fn place(&self, node: u32) -> u32 {
+        self.places[node as usize]
+    }
+
+    /// The sheet nodes at a place.
+    pub fn at(&self, place: u32) -> Range<u32> {
+        at_place(&self.places, place)
+    }
+
+    /// The first position of the node at a place.
+    pub fn first_position(&self, place: u32) -> Point {
+        self.domain(self.at(place).start).position
     }
 
     /// The shortest half axis of all domains; infinite without one.
@@ -87,15 +116,17 @@ impl NodalDomains {
         self.shortest
     }
 
-    /// The nodes that a slave may need whose closest facet this is, ascending by place, a node before its images.
+    /// The nodes that a slave may need whose closest facet this is, ascending, a node before its images.
     pub fn listed(&self, facet: u32) -> &[Listed] {
         let start = (facet as usize).checked_sub(1).map_or(0, |before| self.ends[before]);
         &self.listed[start..self.ends[facet as usize]]
     }
 
-    /// Whether a slave whose closest facet this is may need the node at a place, or an image of it.
-    pub fn lists(&self, facet: u32, place: u32) -> bool {
-        self.listed(facet).binary_search_by_key(&place, |listed| listed.place).is_ok()
+    /// The sheet node at a place that a slave whose closest facet this is may need, or an image of it.
+    pub fn listed_at(&self, facet: u32, place: u32) -> Option<u32> {
+        let listed = self.listed(facet);
+        let found = listed.binary_search_by_key(&place, |listed| self.place(listed.node)).ok()?;
+        Some(listed[found].node)
     }
 
     /// What the nodes around a facet carry.
@@ -104,7 +135,7 @@ impl NodalDomains {
     }
 }
 
-/// The domains of cells with these factors; a metric of zeros where no fit takes the node.
+/// The domains of cells with these factors, by sheet node; a metric of zeros where no fit takes it.
 pub(crate) fn grown(cells: &[MaterialDomain], factors: &[f64]) -> Vec<MaterialDomain> {
     factors.iter().zip(cells).map(|(factor, domain)| domain.times(MORE * factor)).collect()
 }

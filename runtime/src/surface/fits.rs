@@ -4,9 +4,7 @@ use std::sync::atomic::{AtomicU8, AtomicU64, Ordering};
 
 use rayon::prelude::*;
 
-use super::border::Creases;
 use super::conditioning::{Near, smallest_factor};
-use super::index::SurfaceIndex;
 use super::lists::list;
 use super::sheets::{CHUNK, Carried, Found, Listed, Sheets};
 use super::symmetry::Symmetry;
@@ -17,7 +15,7 @@ use crate::{Basis, MaterialDomain, Point, Weight};
 /// Where all nodes of a sheet are at hand, domains that reach so many times farther than the farthest weight all alike.
 const WIDEST: f64 = 10.0;
 /// A quadratic basis that asks for a larger factor is not carried, unless the sheet ends before: along a strip of one row of cells that is
-/// curved in its plane nodes would reach from one end to the other, and take part in the fits of the sheets beside the strip, too. Two
+/// curved in its plane nodes would reach from one end to the other. Two
 /// thirds of this are enough inside, and nine tenths at corners and where the size of cells changes.
 const LARGEST_FACTOR: f64 = 4.0;
 /// Nodes are first sought so many extents of a facet around it.
@@ -30,7 +28,7 @@ const MOST_NODES: usize = 400;
 /// What the fits at the centres of some facets ask for. Of several parts the largest factors and the least bases count, in any order.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Demands {
-    /// By place among the nodes of the surface; 0 where no fit takes the node.
+    /// By sheet node; 0 where no fit takes it.
     pub factors: Vec<f64>,
     /// Of each facet of the surface.
     pub bases: Vec<Carried>,
@@ -51,7 +49,7 @@ pub(super) struct Centre {
 #[derive(Default)]
 pub(super) struct Scratch {
     pub found: Found,
-    /// The nodes around a facet, and their images, with their cells or domains.
+    /// The sheet nodes around a facet, and their images, with their cells or domains.
     around: Vec<(u32, MaterialDomain)>,
     /// How far from the middle of the facet they were sought, and how far from there the outermost of them are that say how far a
     /// search reaches.
@@ -66,19 +64,19 @@ impl Sheets<'_> {
     /// What the centres ask for that these facets look after, in parallel.
     pub fn demands(&self, cells: &[MaterialDomain], weight: Weight, basis: Basis, facets: &[u32]) -> Demands {
         let surface = self.index.surface();
-        let factors: Vec<AtomicU64> = (0..surface.nodes().len()).map(|_| AtomicU64::new(0)).collect();
+        let factors: Vec<AtomicU64> = (0..self.nodes.places().len()).map(|_| AtomicU64::new(0)).collect();
         let bases: Vec<AtomicU8> =
             (0..surface.facet_count()).map(|_| AtomicU8::new(Carried::Quadratic as u8)).collect();
         let of_facet = |scratch: &mut Scratch, &facet: &u32| {
             let extent = self.index.shape(facet).extent();
             scratch.found.is_open = false;
             scratch.gather(self, (cells, facet), FIRST_REACH * extent);
-            for centre in centres(self.index, self.creases, facet) {
+            for centre in centres(self, facet) {
                 let (factor, carried) = factor_at(self, (weight, basis), &centre, (cells, scratch));
                 // Largest and smallest do not depend on the order in which they come; the bits of positive numbers are
                 // ordered like them.
                 for node in scratch.nodes.iter().filter(|node| node.distance < factor) {
-                    factors[node.place as usize].fetch_max(factor.to_bits(), Ordering::Relaxed);
+                    factors[node.node as usize].fetch_max(factor.to_bits(), Ordering::Relaxed);
                 }
                 for &facet in centre.others.iter().chain([&centre.facet]) {
                     bases[facet as usize].fetch_min(carried as u8, Ordering::Relaxed);
@@ -98,7 +96,9 @@ impl Sheets<'_> {
 
 /// The centres that a facet looks after: its middle and quarter points and, of the corners and edges that it shares with facets of
 /// its sheet, those of which it has the lowest number.
-fn centres(index: &SurfaceIndex<'_>, creases: &Creases, facet: u32) -> Vec<Centre> {
+fn centres(sheets: &Sheets<'_>, facet: u32) -> Vec<Centre> {
+    let Sheets { index, creases, nodes, .. } = *sheets;
+    let surface = index.surface();
     let shape = index.shape(facet);
     let corners = shape.corners();
     let normal = index.normals()[facet as usize];
@@ -108,7 +108,7 @@ fn centres(index: &SurfaceIndex<'_>, creases: &Creases, facet: u32) -> Vec<Centr
     all.extend(corners.iter().map(|&corner| own((corner + middle) / 2.0)));
     let between = (0..corners.len()).map(|edge| shape.edge(edge));
     all.extend(between.map(|[from, to]| own(((from + to) / 2.0 + middle) / 2.0)));
-    for (edge, &other) in index.surface().across(facet as usize).iter().enumerate() {
+    for (edge, &other) in surface.across(facet as usize).iter().enumerate() {
         let [from, to] = shape.edge(edge);
         let is_end = other == NONE || creases.ends_at(facet as usize, edge);
         if !is_end && other < facet {
@@ -119,8 +119,8 @@ fn centres(index: &SurfaceIndex<'_>, creases: &Creases, facet: u32) -> Vec<Centr
         let on_edge = [0.25, 0.5, 0.75].map(|t| from * (1.0 - t) + to * t);
         all.extend(on_edge.map(|point| Centre { point, normal, facet, others: others.clone() }));
     }
-    for (&point, &place) in corners.iter().zip(index.surface().corners_of(facet as usize)) {
-        let fan = fan(index, creases, facet, place);
+    for (&point, &place) in corners.iter().zip(surface.corners_of(facet as usize)) {
+        let fan: Vec<u32> = nodes.facets(surface, nodes.at(surface, facet, place)).collect();
         if fan.iter().all(|&other| facet <= other) {
             let normal =
                 fan.iter().map(|&other| index.normals()[other as usize]).sum::<Vector3>().normalize();
@@ -128,22 +128,6 @@ fn centres(index: &SurfaceIndex<'_>, creases: &Creases, facet: u32) -> Vec<Centr
         }
     }
     all
-}
-
-/// The facets at a corner of `facet` that are reached over edges there which do not end the sheet.
-pub(super) fn fan(index: &SurfaceIndex<'_>, creases: &Creases, facet: u32, corner: u32) -> Vec<u32> {
-    let mut fan = vec![facet];
-    let mut next = 0;
-    while let Some(&facet) = fan.get(next) {
-        next += 1;
-        for (edge, &other) in index.surface().across(facet as usize).iter().enumerate() {
-            let is_end = other == NONE || creases.ends_at(facet as usize, edge) || fan.contains(&other);
-            if !is_end && index.surface().corners_of(other as usize).contains(&corner) {
-                fan.push(other);
-            }
-        }
-    }
-    fan
 }
 
 /// s(c), and what the nodes within reach of it carry. `scratch.nodes` are those that were looked at.
@@ -191,11 +175,11 @@ impl Scratch {
         let from = Point::from(self.middle);
         sheets.find(&mut self.found, (facet, from), reach);
         self.around.clear();
-        for &(place, _) in &self.found.nodes {
-            let domain = &cells[place as usize];
-            self.around.push((place, *domain));
+        for &node in &self.found.nodes {
+            let domain = &cells[node as usize];
+            self.around.push((node, *domain));
             symmetry.images_near(domain.position, from, reach, |image, _| {
-                self.around.push((place, symmetry.domain_of(image, domain)));
+                self.around.push((node, symmetry.domain_of(image, domain)));
             });
         }
         (self.reach, self.shell) = (reach, SHELL * reach.min(symmetry.reach()));
@@ -211,15 +195,15 @@ impl Scratch {
         let listed = list(sheets, (domains, extents), facet, &mut self.found);
         self.around.clear();
         self.around.extend(listed.iter().map(|own| {
-            let domain = &domains[own.place as usize];
+            let domain = &domains[own.node as usize];
             let is_image = own.image != NONE;
-            (own.place, if is_image { sheets.symmetry.domain_of(own.image, domain) } else { *domain })
+            (own.node, if is_image { sheets.symmetry.domain_of(own.image, domain) } else { *domain })
         }));
         self.shell = f64::INFINITY;
         listed
     }
 
-    /// The nodes around, or their images, with their domains.
+    /// The sheet nodes around, or their images, with their domains.
     pub fn around(&self) -> &[(u32, MaterialDomain)] {
         &self.around
     }
@@ -232,7 +216,7 @@ impl Scratch {
         let t2 = normal.cross(&t1);
         let mut outer = f64::INFINITY;
         self.nodes.clear();
-        for (place, domain) in &self.around {
+        for &(node, ref domain) in &self.around {
             let position = Vector3::from(domain.position);
             let offset = position - centre.point;
             let distance = domain.length(offset);
@@ -241,12 +225,7 @@ impl Scratch {
             }
             let [xx, yy, both] = [t1, t2, t1 + t2].map(|axis| domain.length(axis).powi(2));
             let cells = [xx, 0.5 * (both - xx - yy), yy].map(|entry| entry / (xx + yy));
-            self.nodes.push(Near {
-                place: *place,
-                offset: [offset.dot(&t1), offset.dot(&t2)],
-                cells,
-                distance,
-            });
+            self.nodes.push(Near { node, offset: [offset.dot(&t1), offset.dot(&t2)], cells, distance });
         }
         self.nodes.sort_by(|x, y| x.distance.total_cmp(&y.distance));
         outer

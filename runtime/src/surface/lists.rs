@@ -50,7 +50,7 @@ pub(super) fn list(
     let mut reach = shape.extent();
     loop {
         sheets.find(found, (facet, middle.into()), reach);
-        let longest = found.nodes.iter().map(|&(place, _)| extents[place as usize]).fold(0.0, f64::max);
+        let longest = found.nodes.iter().map(|&node| extents[node as usize]).fold(0.0, f64::max);
         let needed = (1.0 + MARGIN) * longest + shape.extent();
         if needed <= reach {
             break;
@@ -58,14 +58,14 @@ pub(super) fn list(
         reach = needed;
     }
     let mut all = Vec::new();
-    for &(place, _) in &found.nodes {
-        let domain = &domains[place as usize];
+    for &node in &found.nodes {
+        let domain = &domains[node as usize];
         if reaches(domain) {
-            all.push(Listed { place, image: NONE });
+            all.push(Listed { node, image: NONE });
         }
         symmetry.images_near(domain.position, middle.into(), reach, |image, _| {
             if reaches(&symmetry.domain_of(image, domain)) {
-                all.push(Listed { place, image });
+                all.push(Listed { node, image });
             }
         });
     }

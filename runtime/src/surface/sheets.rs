@@ -2,6 +2,7 @@
 
 use super::border::Creases;
 use super::index::SurfaceIndex;
+use super::sheet_nodes::SheetNodes;
 use super::symmetry::Symmetry;
 use super::walk::Walk;
 use crate::Point;
@@ -14,6 +15,7 @@ pub(super) const CHUNK: usize = 64;
 pub(crate) struct Sheets<'a> {
     pub index: &'a SurfaceIndex<'a>,
     pub creases: &'a Creases,
+    pub nodes: &'a SheetNodes,
     pub symmetry: &'a Symmetry,
     /// Of a part of a surface: by place whether all facets at the node are there, and domains of it follow from the part.
     pub complete: Option<&'a [bool]>,
@@ -23,8 +25,10 @@ pub(crate) struct Sheets<'a> {
 #[derive(Default)]
 pub(super) struct Found {
     walk: Walk,
-    /// By place, with their distances.
-    pub nodes: Vec<(u32, f64)>,
+    /// Places with the facets over which they were reached.
+    reached: Vec<(u32, u32)>,
+    /// Sheet nodes, ascending.
+    pub nodes: Vec<u32>,
     /// Whether these may not be all, or not what they are: of any search since it was last set to `false`.
     pub is_open: bool,
 }
@@ -32,19 +36,22 @@ pub(super) struct Found {
 impl Sheets<'_> {
     /// Finds the nodes of the facet's sheet within reach of a point of it.
     pub(super) fn find(&self, found: &mut Found, (facet, from): (u32, Point), reach: f64) {
-        let Found { walk, nodes, is_open } = found;
+        let Found { walk, reached, nodes, is_open } = found;
         walk.start(self.index, facet, from);
-        walk.nodes_within(self.index, self.creases, reach, nodes);
+        walk.nodes_within(self.index, self.creases, reach, reached);
+        let sheet_node = |&(place, facet): &(u32, u32)| self.nodes.at(self.index.surface(), facet, place);
+        nodes.clear();
+        nodes.extend(reached.iter().map(sheet_node));
         *is_open |= self.complete.is_some_and(|complete| {
-            walk.met_cut() || nodes.iter().any(|&(place, _)| !complete[place as usize])
+            walk.met_cut() || reached.iter().any(|&(place, _)| !complete[place as usize])
         });
     }
 }
 
-/// A node of a facet's list, or one of its images.
+/// A sheet node of a facet's list, or one of its images.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Listed {
-    pub place: u32,
+    pub node: u32,
     /// The number of the image, or [`NONE`].
     pub image: u32,
 }

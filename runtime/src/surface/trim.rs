@@ -13,10 +13,8 @@ use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 
 use rayon::prelude::*;
 
-use super::SurfaceIndex;
-use super::border::Creases;
 use super::conditioning::is_well_conditioned;
-use super::fits::{Centre, Scratch, fan};
+use super::fits::{Centre, Scratch};
 use super::shape::Shape;
 use super::sheets::{CHUNK, Carried, Listed, Sheets};
 use super::topology::NONE;
@@ -38,7 +36,7 @@ const KEPT: f64 = 0.13;
 /// What the places on some facets ask for. Of several parts the largest ratios count, and what is crowded in any of them.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Ratios {
-    /// By place among the nodes of the surface; 0 where no place asks for anything.
+    /// By sheet node; 0 where no place asks for anything.
     pub ratios: Vec<f64>,
     /// Whether a place that the node serves is crowded.
     pub crowded: Vec<bool>,
@@ -47,15 +45,15 @@ pub(crate) struct Ratios {
 }
 
 impl Sheets<'_> {
-    /// By place among the nodes whether a crowded place on these facets is served by it, and the lists of the facets, in parallel.
+    /// By sheet node whether a crowded place on these facets is served by it, and the lists of the facets, in parallel.
     pub fn crowded(&self, domains: &[MaterialDomain], facets: &[u32]) -> (Vec<bool>, Vec<Vec<Listed>>) {
-        let crowded = Marks::none(self.index.surface().nodes().len());
+        let crowded = Marks::none(self.nodes.places().len());
         let extents: Vec<f64> = domains.par_iter().map(MaterialDomain::extent).collect();
         let of_facet = |scratch: &mut Scratch, &facet: &u32| {
             let listed = scratch.take_listed(self, (domains, &extents), facet);
             let around = scratch.around();
             if around.len() > CROWD {
-                for place in places(self.index, self.creases, facet) {
+                for place in places(self, facet) {
                     let served = || around.iter().filter(|(_, domain)| domain.reaches(place.point));
                     if served().count() > CROWD {
                         served().for_each(|(node, _)| crowded.mark(*node));
@@ -77,7 +75,7 @@ impl Sheets<'_> {
         facets: &[u32],
         is_asked: impl Fn(usize) -> bool + Sync,
     ) -> Ratios {
-        let count = self.index.surface().nodes().len();
+        let count = self.nodes.places().len();
         let ratios: Vec<AtomicU64> = (0..count).map(|_| AtomicU64::new(0)).collect();
         let crowded = Marks::none(count);
         let extents: Vec<f64> = domains.par_iter().map(MaterialDomain::extent).collect();
@@ -87,20 +85,20 @@ impl Sheets<'_> {
             if !scratch.around().iter().any(|(node, _)| is_asked(*node as usize)) {
                 return scratch.found.is_open.then_some(facet);
             }
-            for place in places(self.index, self.creases, facet) {
+            for place in places(self, facet) {
                 scratch.look(&place, self.symmetry);
                 let served = scratch.nodes.partition_point(|node| node.distance < 1.0);
-                if !scratch.nodes[..served].iter().any(|node| is_asked(node.place as usize)) {
+                if !scratch.nodes[..served].iter().any(|node| is_asked(node.node as usize)) {
                     continue;
                 }
                 let ratio = smallest_ratio(scratch, weight, bases[facet as usize]);
                 for node in &scratch.nodes[..served] {
                     if served > CROWD {
-                        crowded.mark(node.place);
+                        crowded.mark(node.node);
                     }
                     // The largest does not depend on the order; the bits of positive numbers are ordered like them.
                     let asked = if node.distance < ratio { ratio } else { SMALLEST_RATIO };
-                    ratios[node.place as usize].fetch_max(asked.to_bits(), Ordering::Relaxed);
+                    ratios[node.node as usize].fetch_max(asked.to_bits(), Ordering::Relaxed);
                 }
             }
             scratch.found.is_open.then_some(facet)
@@ -115,7 +113,7 @@ impl Sheets<'_> {
     }
 }
 
-/// Marks by place among the nodes, set in any order.
+/// Marks by sheet node, set in any order.
 struct Marks(Vec<AtomicBool>);
 
 impl Marks {
@@ -162,22 +160,20 @@ fn smallest_ratio(scratch: &Scratch, weight: Weight, carried: Carried) -> f64 {
 }
 
 /// The places that a facet looks after: inside it and, of its corners and edges, those of which it has the lowest number in its sheet.
-fn places(index: &SurfaceIndex<'_>, creases: &Creases, facet: u32) -> Vec<Centre> {
+fn places(sheets: &Sheets<'_>, facet: u32) -> Vec<Centre> {
+    let Sheets { index, creases, nodes, .. } = *sheets;
+    let surface = index.surface();
     let shape = index.shape(facet);
     let normal = index.normals()[facet as usize];
-    let others = index.surface().across(facet as usize);
+    let others = surface.across(facet as usize);
     let count = shape.corners().len();
     // Per edge the facet across it, if the sheet goes on there.
     let across = |edge: usize| {
         let is_end = others[edge] == NONE || creases.ends_at(facet as usize, edge);
         (!is_end).then(|| others[edge])
     };
-    let fans: Vec<Vec<u32>> = index
-        .surface()
-        .corners_of(facet as usize)
-        .iter()
-        .map(|&corner| fan(index, creases, facet, corner))
-        .collect();
+    let fan = |&corner: &u32| nodes.facets(surface, nodes.at(surface, facet, corner)).collect();
+    let fans: Vec<Vec<u32>> = surface.corners_of(facet as usize).iter().map(fan).collect();
     let mut all = Vec::with_capacity((GRID + 1) * (GRID + 1));
     for place in grid(&shape) {
         let facets: &[u32] = match place.on {

@@ -25,8 +25,8 @@ pub struct Walk {
     generation: u32,
     /// Number of the last walk that saw the facet.
     seen: Vec<u32>,
-    /// Number of the last walk that reached the node, and its level then.
-    reached: Vec<(u32, u64)>,
+    /// Number of the last walk that reached the node, over which facet, and its level then.
+    reached: Vec<(u32, u32, u64)>,
     /// The farthest facet stepped on: the largest key popped from `next`.
     level: u64,
     /// Facets to go to, by the square of their nearest point's distance (the bits of a number that is not
@@ -44,11 +44,11 @@ impl Walk {
     /// Starts at `facet`, for the slave at `slave`.
     pub fn start(&mut self, index: &SurfaceIndex<'_>, facet: u32, slave: Point) {
         self.seen.resize(index.surface().facet_count(), 0);
-        self.reached.resize(index.surface().nodes().len(), (0, 0));
+        self.reached.resize(index.surface().nodes().len(), (0, 0, 0));
         self.generation = self.generation.wrapping_add(1);
         if self.generation == 0 {
             self.seen.fill(0);
-            self.reached.fill((0, 0));
+            self.reached.fill((0, 0, 0));
             self.generation = 1;
         }
         self.next.clear();
@@ -78,18 +78,18 @@ impl Walk {
             self.level = self.level.max(nearest);
             self.step_on(index, creases, facet as usize);
         }
-        let (generation, level) = self.reached[place];
+        let (generation, _, level) = self.reached[place];
         generation == self.generation && level <= distance
     }
 
-    /// The nodes of the patch nearer to the slave than `reach`, ascending, with the squares of their distances. To be asked once
-    /// after a start.
+    /// The nodes of the patch nearer to the slave than `reach`, ascending, each with the facet over which it was reached. To be asked
+    /// once after a start.
     pub fn nodes_within(
         &mut self,
         index: &SurfaceIndex<'_>,
         creases: &Creases,
         reach: f64,
-        found: &mut Vec<(u32, f64)>,
+        found: &mut Vec<(u32, u32)>,
     ) {
         let limit = (reach * reach).to_bits();
         while let Some(&Reverse((nearest, facet))) = self.next.peek()
@@ -101,10 +101,10 @@ impl Walk {
         }
         found.clear();
         for &place in &self.corners {
-            let square = self.square_distance(index, place);
-            let (_, level) = self.reached[place as usize];
-            if square.to_bits() < limit && level <= square.to_bits() {
-                found.push((place, square));
+            let square = self.square_distance(index, place).to_bits();
+            let (_, facet, level) = self.reached[place as usize];
+            if square < limit && level <= square {
+                found.push((place, facet));
             }
         }
         found.sort_unstable_by_key(|&(place, _)| place);
@@ -117,7 +117,7 @@ impl Walk {
             let reached = &mut self.reached[corner as usize];
             // The nearest facets come first, so that the first level is the lowest.
             if reached.0 != self.generation {
-                *reached = (self.generation, self.level);
+                *reached = (self.generation, facet as u32, self.level);
                 self.corners.push(corner);
             }
         }

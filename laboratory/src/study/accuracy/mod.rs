@@ -3,8 +3,11 @@
 //! Slave nodes sit on the exact surface, 20 × 20 of them all over one cell of the mesh, the nodes' corner, the middles of
 //! edges and the middle of the facet among them. Their gap ought to be zero and their normal the exact one.
 
+mod bodies;
 mod measure;
 mod shapes;
+
+use serde::Serialize;
 
 use crate::error::CliError;
 use crate::output;
@@ -13,6 +16,7 @@ use crate::study::markdown::Table;
 
 pub use measure::angle;
 
+use bodies::{BodyMeasurement, measure_bodies};
 use measure::{Measurement, SIZES, elements, measure, order};
 use shapes::Shape;
 
@@ -23,6 +27,16 @@ const REFERENCE: [(f64, [f64; 3]); 2] = [(22.5, [0.441, 0.112, 1.92]), (10.0, [0
 const REFERENCE_ELEMENTS: [&str; 3] = ["cubic", "cubic-interpolating", "facets"];
 /// Places of the cell, (around the axis, along it), whose errors stand beside the reference ones.
 const PLACES: [[f64; 2]; 3] = [[0.2, 0.5], [0.5, 0.2], [0.5, 0.5]];
+
+/// What `--json` prints.
+#[derive(Serialize)]
+struct Measurements<'a> {
+    patches: &'a [Measurement],
+    bodies: &'a [BodyMeasurement],
+}
+
+/// On plane faces errors are below this.
+const PLANE: f64 = 1e-12;
 
 /// Measures and prints.
 pub fn run(arguments: &AccuracyArguments) -> Result<(), CliError> {
@@ -35,8 +49,9 @@ pub fn run(arguments: &AccuracyArguments) -> Result<(), CliError> {
             }
         }
     }
+    let bodies = measure_bodies()?;
     if arguments.json {
-        return output::write_json(&all);
+        return output::write_json(&Measurements { patches: &all, bodies: &bodies });
     }
     let names: Vec<&str> = elements.iter().map(|(name, _)| *name).collect();
     output::write_stdout(|writer| {
@@ -48,7 +63,8 @@ pub fn run(arguments: &AccuracyArguments) -> Result<(), CliError> {
             writeln!(writer, "{}", errors(&found, &names, "error of the normal in degrees", of))?;
         }
         writeln!(writer, "{}", masters(&all, &names))?;
-        write!(writer, "{}", beside_reference(&all))
+        writeln!(writer, "{}", beside_reference(&all))?;
+        write!(writer, "{}", on_bodies(&bodies))
     })
 }
 
@@ -111,6 +127,29 @@ fn beside_reference(all: &[Measurement]) -> Table {
             let cells = [format!("{size}°"), name.into(), figure.to_string()];
             let measured = [digits(found.gap_max), digits(found.gap_mean)];
             table.row(cells.into_iter().chain(measured).chain(places));
+        }
+    }
+    table
+}
+
+/// Gap errors on whole bodies, a row for each face that is not plane.
+fn on_bodies(all: &[BodyMeasurement]) -> Table {
+    let heading = "Whole bodies: largest gap error in % of the face's mean edge (slaves without contact)";
+    let columns = ["body", "face", "facets", "smooth", "triangles: facets", "triangles: smooth"];
+    let mut table = Table::new(heading.to_owned(), columns);
+    for of_body in all.chunk_by(|one, other| one.body == other.body) {
+        // Faces come in the same order for both kinds of cells and both elements.
+        for first in &of_body[..of_body.len() / 4] {
+            let own: Vec<&BodyMeasurement> =
+                of_body.iter().filter(|found| found.face == first.face).collect();
+            if own.iter().all(|found| found.gap_max < PLANE) {
+                continue;
+            }
+            let cells = own.iter().map(|found| {
+                let without = if found.without > 0 { format!(" ({})", found.without) } else { String::new() };
+                format!("{}{without}", digits(100.0 * found.gap_max))
+            });
+            table.row([first.body.to_owned(), first.face.to_owned()].into_iter().chain(cells));
         }
     }
     table

@@ -89,18 +89,20 @@ pub struct Window {
     pub(crate) setup: Setup,
     boxes: Vec<Box3>,
     skin: f64,
-    /// By ascending number.
-    nodes: Vec<WindowNode>,
+    /// Numbers of the nodes, ascending.
+    nodes: Vec<u64>,
+    /// By ascending place among the nodes, each of which is there.
+    sheet_nodes: Vec<WindowNode>,
     /// By ascending number.
     facets: Vec<WindowFacet>,
-    /// Lists of the core's facets, one after another, by place among the nodes.
+    /// Lists of the core's facets, one after another, by place among the sheet nodes.
     listed: Vec<Listed>,
 }
 
-/// A node of a window.
+/// A node of a window, as one of the sheets that meet in it has it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct WindowNode {
-    number: u64,
+    place: u32,
     domain: MaterialDomain,
 }
 
@@ -136,17 +138,16 @@ impl Sheet<'_> {
         let mut facets = core.clone();
         for &facet in &core {
             let listed = self.domains.listed(facet).iter();
-            facets.extend(listed.flat_map(|listed| surface.facets_of_place(listed.place as usize)));
+            let places = listed.map(|listed| self.domains.place(listed.node) as usize);
+            facets.extend(places.flat_map(|place| surface.facets_of_place(place)));
         }
         sort(&mut facets);
         let mut places: Vec<u32> =
             facets.iter().flat_map(|&facet| surface.corners_of(facet as usize)).copied().collect();
         sort(&mut places);
         let place_of = |place: &u32| places.binary_search(place).map_or(NONE, |place| place as u32);
-        let nodes = places.iter().map(|&place| WindowNode {
-            number: (self.node_number)(place),
-            domain: *self.domains.domain(place as usize),
-        });
+        let sheet_nodes: Vec<u32> = places.iter().flat_map(|&place| self.domains.at(place)).collect();
+        let sheet_node_of = |node: &u32| sheet_nodes.binary_search(node).map_or(NONE, |node| node as u32);
         let mut listed = Vec::new();
         let facet = |&facet: &u32| {
             let mut corners = [NONE; 4];
@@ -157,7 +158,7 @@ impl Sheet<'_> {
             let is_border = |edge, other| other == NONE && !surface.is_cut(facet as usize, edge);
             let core = core.binary_search(&facet).is_ok().then(|| {
                 let list = self.domains.listed(facet);
-                listed.extend(list.iter().map(|own| Listed { place: place_of(&own.place), ..*own }));
+                listed.extend(list.iter().map(|own| Listed { node: sheet_node_of(&own.node), ..*own }));
                 (self.domains.carried(facet), list.len() as u32)
             });
             WindowFacet {
@@ -169,9 +170,14 @@ impl Sheet<'_> {
             }
         };
         let facets = facets.iter().map(facet).collect();
-        let nodes = nodes.collect();
+        let window_node = |&node: &u32| WindowNode {
+            place: place_of(&self.domains.place(node)),
+            domain: *self.domains.domain(node),
+        };
+        let sheet_nodes = sheet_nodes.iter().map(window_node).collect();
+        let nodes = places.iter().map(|&place| (self.node_number)(place)).collect();
         let (setup, boxes) = (self.setup.clone(), boxes.to_vec());
-        Window { setup, boxes, skin, nodes, facets, listed }
+        Window { setup, boxes, skin, nodes, sheet_nodes, facets, listed }
     }
 }
 
@@ -200,7 +206,7 @@ impl Window {
     /// Numbers of its nodes in the whole surface, ascending. An [interface](crate::interface::ContactInterface::in_window) of the window
     /// has them first among its nodes, in this order.
     pub fn nodes(&self) -> impl ExactSizeIterator<Item = u64> + '_ {
-        self.nodes.iter().map(|node| node.number)
+        self.nodes.iter().copied()
     }
 
     /// Numbers of its facets in the whole surface, ascending.
@@ -222,8 +228,9 @@ impl Window {
     }
 
     /// First positions of its nodes.
-    pub fn first_positions(&self) -> impl ExactSizeIterator<Item = Point> + '_ {
-        self.nodes.iter().map(|node| node.domain.position)
+    pub fn first_positions(&self) -> impl Iterator<Item = Point> + '_ {
+        let first_of_node = self.sheet_nodes.chunk_by(|one, other| one.place == other.place);
+        first_of_node.map(|of_node| of_node[0].domain.position)
     }
 
     /// Windows for the same slaves from the owners of several parts of the surface, as one. The boxes and the skin have to be the same.
@@ -242,28 +249,33 @@ impl Window {
                 return Err(WindowError::Differs { what: "the boxes of part", number });
             }
         }
-        let mut nodes: Vec<WindowNode> = windows.iter().flat_map(|window| &window.nodes).copied().collect();
-        nodes.sort_by_key(|node| node.number);
-        let differing = nodes.windows(2).find(|pair| pair[0].number == pair[1].number && pair[0] != pair[1]);
-        if let Some(pair) = differing {
-            return Err(WindowError::Differs { what: "node", number: pair[0].number });
+        let mut nodes: Vec<u64> = windows.iter().flat_map(|window| &window.nodes).copied().collect();
+        sort(&mut nodes);
+        let place = |number: &u64| nodes.binary_search(number).map_or(NONE, |place| place as u32);
+        let places: Vec<Vec<u32>> =
+            windows.iter().map(|window| window.nodes.iter().map(place).collect()).collect();
+        // A sheet node is known by its node and by which of those it is there.
+        let known: Vec<Vec<(u32, u32, MaterialDomain)>> =
+            windows.iter().zip(&places).map(|(window, places)| window.known_sheet_nodes(places)).collect();
+        let mut all = known.concat();
+        all.sort_by_key(|&(place, sheet, _)| (place, sheet));
+        let is_same = |one: &(u32, u32, _), other: &(u32, u32, _)| (one.0, one.1) == (other.0, other.1);
+        if let Some(pair) = all.windows(2).find(|pair| is_same(&pair[0], &pair[1]) && pair[0].2 != pair[1].2)
+        {
+            return Err(WindowError::Differs { what: "node", number: nodes[pair[0].0 as usize] });
         }
-        nodes.dedup_by_key(|node| node.number);
-        let places: Vec<Vec<u32>> = windows
-            .iter()
-            .map(|window| {
-                let place = |node: &WindowNode| {
-                    nodes.binary_search_by_key(&node.number, |node| node.number).map_or(NONE, |k| k as u32)
-                };
-                window.nodes.iter().map(place).collect()
-            })
-            .collect();
+        all.dedup_by(|one, other| is_same(one, other));
+        let sheet_node = |&(place, sheet, _): &(u32, u32, _)| {
+            all.binary_search_by_key(&(place, sheet), |own| (own.0, own.1)).map_or(NONE, |node| node as u32)
+        };
+        let joined: Vec<Vec<u32>> = known.iter().map(|own| own.iter().map(sheet_node).collect()).collect();
+        let sheet_nodes = all.iter().map(|&(place, _, domain)| WindowNode { place, domain }).collect();
         let mut facets: Vec<(WindowFacet, Vec<Listed>)> = Vec::new();
-        for (places, window) in places.iter().zip(windows) {
+        for ((places, joined), window) in places.iter().zip(&joined).zip(windows) {
             for (facet, list) in window.facets_with_lists() {
                 let corners =
                     facet.corners.map(|corner| if corner == NONE { NONE } else { places[corner as usize] });
-                let list = list.iter().map(|own| Listed { place: places[own.place as usize], ..*own });
+                let list = list.iter().map(|own| Listed { node: joined[own.node as usize], ..*own });
                 facets.push((WindowFacet { corners, ..*facet }, list.collect()));
             }
         }
@@ -281,7 +293,14 @@ impl Window {
         let listed = facets.iter().flat_map(|(_, list)| list).copied().collect();
         let facets = facets.into_iter().map(|(facet, _)| facet).collect();
         let (setup, boxes, skin) = (first.setup.clone(), first.boxes.clone(), first.skin);
-        Ok(Self { setup, boxes, skin, nodes, facets, listed })
+        Ok(Self { setup, boxes, skin, nodes, sheet_nodes, facets, listed })
+    }
+
+    /// Its sheet nodes with other places of the nodes, and with which of their node's they are, from 0.
+    fn known_sheet_nodes(&self, places: &[u32]) -> Vec<(u32, u32, MaterialDomain)> {
+        let of_nodes = self.sheet_nodes.chunk_by(|one, other| one.place == other.place);
+        let numbered = of_nodes.flat_map(|of_node| (0..).zip(of_node));
+        numbered.map(|(sheet, own)| (places[own.place as usize], sheet, own.domain)).collect()
     }
 
     /// Each facet with its list, which is empty outside of the core.
@@ -305,17 +324,18 @@ impl Window {
         let mut is_cut = vec![false; self.nodes.len()];
         surface.cut_edges().flatten().for_each(|node| is_cut[node] = true);
         for (facet, list) in self.facets_with_lists() {
-            if let Some(listed) = list.iter().find(|listed| is_cut[listed.place as usize]) {
-                let node = self.nodes[listed.place as usize].number;
+            let mut places = list.iter().map(|listed| self.sheet_nodes[listed.node as usize].place as usize);
+            if let Some(place) = places.find(|&place| is_cut[place]) {
+                let node = self.nodes[place];
                 return Err(WindowError::Incomplete { facet: facet.number, node });
             }
         }
-        let domains = self.nodes.iter().map(|node| node.domain).collect();
+        let (places, domains) = self.sheet_nodes.iter().map(|node| (node.place, node.domain)).unzip();
         let carried = |facet: &WindowFacet| facet.core.map_or(Carried::Nothing, |(carried, _)| carried);
         let bases = self.facets.iter().map(carried).collect();
         let lists: Vec<Vec<Listed>> = self.facets_with_lists().map(|(_, list)| list.to_vec()).collect();
         let creases = Creases::given(self.facets.iter().map(|facet| facet.ends).collect());
-        Ok((surface, NodalDomains::given(domains, bases, &lists), creases))
+        Ok((surface, NodalDomains::given(places, domains, bases, &lists), creases))
     }
 
     /// The facets of its core with their places, ascending, corners by place among its nodes.

@@ -7,33 +7,41 @@ use super::{
 use crate::{Basis, Point, Weight};
 
 /// Of the integers: what they are, so that others are refused.
-const MAGIC: i64 = 0x0064_6377_696e_0001;
+const MAGIC: i64 = 0x0064_6377_696e_0002;
 /// Integers before those of nodes.
-const HEADER: usize = 8;
+const HEADER: usize = 9;
 /// Integers of a facet: number, corners, bits, length of its list.
 const FACET: usize = 7;
 /// Bits of a facet.
 const ENDS: u32 = 4;
 const CARRIED: u32 = 8;
 const IS_CORE: i64 = 1 << 10;
-/// An image in the number of a listed node; 0: the node itself.
+/// An image in the number of a listed sheet node; 0: the node itself.
 const IMAGE: u32 = 32;
-/// Numbers before those of planes, and of a node.
+/// Numbers before those of planes, and of a sheet node.
 const REALS: usize = 9;
 const NODE: usize = 9;
 const BOX: usize = 6;
 
 impl Window {
-    /// The window as integers and floating-point numbers, from which [`from_numbers`](Self::from_numbers) makes the same one. About 60
+    /// The window as integers and floating-point numbers, from which [`from_numbers`](Self::from_numbers) makes the same one. About 90
     /// bytes for each node, 50 for each facet and 150 for each facet of the core.
     #[must_use]
     pub fn to_numbers(&self) -> (Vec<i64>, Vec<f64>) {
         let Setup { weight, basis, feature_angle_degrees, planes, extents } = &self.setup;
         let weight = *weight as i64;
-        let counts = [planes.len(), self.boxes.len(), self.nodes.len(), self.facets.len(), self.listed.len()];
+        let counts = [
+            planes.len(),
+            self.boxes.len(),
+            self.nodes.len(),
+            self.sheet_nodes.len(),
+            self.facets.len(),
+            self.listed.len(),
+        ];
         let mut integers = vec![MAGIC, weight, basis.size() as i64];
         integers.extend(counts.map(|count| count as i64));
-        integers.extend(self.nodes.iter().map(|node| node.number as i64));
+        integers.extend(self.nodes.iter().map(|&number| number as i64));
+        integers.extend(self.sheet_nodes.iter().map(|node| i64::from(node.place)));
         for WindowFacet { number, corners, borders, ends, core } in &self.facets {
             let corner = |&corner: &u32| if corner == NONE { -1 } else { i64::from(corner) };
             integers.push(*number as i64);
@@ -44,7 +52,7 @@ impl Window {
         }
         integers.extend(self.listed.iter().map(|listed| {
             let image = if listed.image == NONE { 0 } else { i64::from(listed.image) + 1 };
-            i64::from(listed.place) | image << IMAGE
+            i64::from(listed.node) | image << IMAGE
         }));
         let mut reals = vec![*feature_angle_degrees];
         reals.extend(extents.low.iter().chain(&extents.high));
@@ -55,7 +63,7 @@ impl Window {
             let MaterialDomain { position: [x, y, z], metric: [a, b, c, d, e, f] } = node.domain;
             [x, y, z, a, b, c, d, e, f]
         };
-        reals.extend(self.nodes.iter().flat_map(node));
+        reals.extend(self.sheet_nodes.iter().flat_map(node));
         (integers, reals)
     }
 
@@ -65,17 +73,19 @@ impl Window {
     /// [`WindowError::Invalid`] for numbers that are none of a window, [`WindowError::InvalidBox`].
     pub fn from_numbers(integers: &[i64], reals: &[f64]) -> Result<Self, WindowError> {
         let Header { weight, basis, counts } = Header::of(integers, reals)?;
-        let [planes, boxes, nodes, facets, listed] = counts;
+        let [planes, boxes, nodes, sheet_nodes, facets, listed] = counts;
         let mut rest = &integers[HEADER..];
         let numbers = take(&mut rest, nodes);
         check_ascending("node", numbers.iter().copied())?;
+        let places = take(&mut rest, sheet_nodes);
+        check_places(places, nodes)?;
         let rows = take(&mut rest, FACET * facets).as_chunks::<FACET>().0;
         check_ascending("facet", rows.iter().map(|row| row[0]))?;
         let invalid = |what, place| WindowError::Invalid { what, place };
         let facets = rows.iter().enumerate().map(|(k, row)| facet_of(row, nodes).ok_or(invalid("facet", k)));
         let facets = facets.collect::<Result<Vec<WindowFacet>, WindowError>>()?;
         let list = take(&mut rest, listed).iter().enumerate();
-        let list = list.map(|(k, &number)| listed_of(number, nodes).ok_or(invalid("listed node", k)));
+        let list = list.map(|(k, &number)| listed_of(number, sheet_nodes).ok_or(invalid("listed node", k)));
         let list = list.collect::<Result<Vec<Listed>, WindowError>>()?;
         let counted: usize = facets.iter().filter_map(|facet| facet.core).map(|core| core.1 as usize).sum();
         if counted != listed {
@@ -89,15 +99,17 @@ impl Window {
         let boxes: Vec<Box3> = take(&mut rest, BOX * boxes).as_chunks().0.iter().map(own).collect();
         let skin = reals[REALS - 1];
         check_boxes(&boxes, skin)?;
-        let node = |(&number, &[x, y, z, a, b, c, d, e, f]): (&i64, &[f64; NODE])| WindowNode {
-            number: number as u64,
+        let node = |(&place, &[x, y, z, a, b, c, d, e, f]): (&i64, &[f64; NODE])| WindowNode {
+            place: place as u32,
             domain: MaterialDomain { position: [x, y, z], metric: [a, b, c, d, e, f] },
         };
-        let nodes = numbers.iter().zip(take(&mut rest, NODE * nodes).as_chunks().0).map(node).collect();
+        let own = take(&mut rest, NODE * sheet_nodes).as_chunks().0;
+        let sheet_nodes = places.iter().zip(own).map(node).collect();
+        let nodes = numbers.iter().map(|&number| number as u64).collect();
         let point = |k: usize| -> Point { [reals[k], reals[k + 1], reals[k + 2]] };
         let extents = Extents { low: point(1), high: point(4), facet: reals[7] };
         let setup = Setup { weight, basis, feature_angle_degrees: reals[0], planes, extents };
-        Ok(Self { setup, boxes, skin, nodes, facets, listed: list })
+        Ok(Self { setup, boxes, skin, nodes, sheet_nodes, facets, listed: list })
     }
 }
 
@@ -106,7 +118,7 @@ struct Header {
     weight: Weight,
     basis: Basis,
     /// Of planes, boxes, nodes, facets and listed nodes.
-    counts: [usize; 5],
+    counts: [usize; 6],
 }
 
 impl Header {
@@ -121,18 +133,18 @@ impl Header {
         let (MAGIC, Some(weight), Some(basis)) = (header[0], weight, basis) else {
             return Err(invalid("integer", 0));
         };
-        let mut counts = [0; 5];
+        let mut counts = [0; 6];
         for (count, (place, &number)) in counts.iter_mut().zip(header.iter().enumerate().skip(3)) {
             // More than there are numbers are none, so that no product below is too large.
             let most = integers.len() + reals.len();
             let number = usize::try_from(number).ok().filter(|&number| number <= most);
             *count = number.ok_or(invalid("integer", place))?;
         }
-        let [planes, boxes, nodes, facets, listed] = counts;
-        if rest.len() != nodes + FACET * facets + listed {
+        let [planes, boxes, nodes, sheet_nodes, facets, listed] = counts;
+        if rest.len() != nodes + sheet_nodes + FACET * facets + listed {
             return Err(invalid("integer", integers.len()));
         }
-        if reals.len() != REALS + BOX * planes + BOX * boxes + NODE * nodes {
+        if reals.len() != REALS + BOX * planes + BOX * boxes + NODE * sheet_nodes {
             return Err(invalid("floating-point number", reals.len()));
         }
         if let Some(place) = reals.iter().position(|x| !x.is_finite())
@@ -160,9 +172,25 @@ fn check_ascending(what: &'static str, numbers: impl Iterator<Item = i64>) -> Re
     Ok(())
 }
 
+/// Refuses places of sheet nodes that are not ascending, or do not name each of the nodes.
+fn check_places(places: &[i64], nodes: usize) -> Result<(), WindowError> {
+    let mut last = -1;
+    for (place, &own) in places.iter().enumerate() {
+        if own != last && own != last + 1 || own < 0 {
+            return Err(WindowError::Invalid { what: "sheet node", place });
+        }
+        last = own;
+    }
+    if last + 1 == nodes as i64 {
+        Ok(())
+    } else {
+        Err(WindowError::Invalid { what: "sheet node", place: places.len() })
+    }
+}
+
 /// Refuses lists that are not ascending, a node before its images: they are searched as such.
 fn check_lists(facets: &[WindowFacet], listed: &[Listed]) -> Result<(), WindowError> {
-    let order = |own: &Listed| (own.place, own.image.wrapping_add(1));
+    let order = |own: &Listed| (own.node, own.image.wrapping_add(1));
     let mut start = 0;
     for (_, count) in facets.iter().filter_map(|facet| facet.core) {
         let list = &listed[start..][..count as usize];
@@ -196,10 +224,10 @@ fn facet_of(&[number, a, b, c, d, bits, count]: &[i64; FACET], nodes: usize) -> 
     Some(WindowFacet { number: number as u64, corners, borders, ends, core })
 }
 
-fn listed_of(number: i64, nodes: usize) -> Option<Listed> {
+fn listed_of(number: i64, sheet_nodes: usize) -> Option<Listed> {
     let number = u64::try_from(number).ok()?;
-    let (place, image) = (number & u64::from(u32::MAX), number >> IMAGE);
-    let place = usize::try_from(place).ok().filter(|&place| place < nodes)? as u32;
+    let (node, image) = (number & u64::from(u32::MAX), number >> IMAGE);
+    let node = usize::try_from(node).ok().filter(|&node| node < sheet_nodes)? as u32;
     let image = if image == 0 { NONE } else { u32::try_from(image - 1).ok()? };
-    Some(Listed { place, image })
+    Some(Listed { node, image })
 }

@@ -161,7 +161,7 @@ impl OwnSurface {
     ) -> bool {
         self.near[place].binary_search(&facet).is_err()
             && !self.is_back(surface, place, facet)
-            && !domains.is_some_and(|domains| domains.listed_at(facet, place as u32).is_some())
+            && domains.is_none_or(|domains| domains.listed_at(facet, place as u32).is_none())
     }
 
     /// The nodes of a facet in the first configuration.

@@ -167,6 +167,15 @@ impl Shape {
         Near { at_least: square.sqrt(), extent }
     }
 
+    /// The square of the distance from the edges, no larger than that from any corner.
+    pub fn square_from_edges(&self, x: Vector3) -> f64 {
+        let count = self.corners().len();
+        let nearest = (0..count).map(|edge| (on_segment(self.edge(edge), x).1 - x).norm_squared());
+        // By rounding a corner may be nearer than the point that is found.
+        let corners = self.corners().iter().map(|corner| (*corner - x).norm_squared());
+        nearest.chain(corners).fold(f64::INFINITY, f64::min)
+    }
+
     /// The closest point. Exact for triangles and plane convex quadrilaterals; on a warped or folded one the best of
     /// its edges and of the foot of the facet element.
     pub fn closest(&self, x: Vector3) -> Foot {
@@ -234,6 +243,14 @@ fn inside_quadrilateral(shape: &Shape, corners: &[Vector3; 4], x: Vector3) -> Op
     Some(Foot { natural, point, distance: (x - point).norm(), edges: bits(edges) })
 }
 
+/// The closest point between two, and how far it is from the first to the second, 0 to 1.
+fn on_segment([start, end]: [Vector3; 2], x: Vector3) -> (f64, Vector3) {
+    let along = end - start;
+    let square = along.norm_squared();
+    let t = if square > 0.0 { ((x - start).dot(&along) / square).clamp(0.0, 1.0) } else { 0.0 };
+    (t, if t == 1.0 { end } else { start + along * t })
+}
+
 /// The closest point of the edges.
 fn on_edges(shape: &Shape, x: Vector3) -> Foot {
     let naturals: &[[f64; 2]] = match shape {
@@ -244,11 +261,7 @@ fn on_edges(shape: &Shape, x: Vector3) -> Foot {
     let mut best = Foot { natural: naturals[0], point: x, distance: f64::INFINITY, edges: 0 };
     for (edge, from) in naturals.iter().enumerate() {
         let to = naturals[(edge + 1) % count];
-        let [start, end] = shape.edge(edge);
-        let along = end - start;
-        let square = along.norm_squared();
-        let t = if square > 0.0 { ((x - start).dot(&along) / square).clamp(0.0, 1.0) } else { 0.0 };
-        let point = if t == 1.0 { end } else { start + along * t };
+        let (t, point) = on_segment(shape.edge(edge), x);
         let distance = (x - point).norm();
         if distance < best.distance {
             let before = u8::from(t <= ON_EDGE) << ((edge + count - 1) % count);

@@ -29,7 +29,7 @@ pub struct Walk {
     reached: Vec<(u32, u32, u64)>,
     /// The farthest facet stepped on: the largest key popped from `next`.
     level: u64,
-    /// Facets to go to, by the square of their nearest point's distance (the bits of a number that is not
+    /// Facets to go to, by the square of their edges' distance (the bits of a number that is not
     /// negative are ordered like it).
     next: BinaryHeap<Reverse<(u64, u32)>>,
     /// Nodes in the order in which they were reached.
@@ -67,7 +67,7 @@ impl Walk {
     }
 
     /// Whether the node at `place` belongs to the patch: whether it is reached over facets none of which is
-    /// farther from the slave, by its nearest point, than the node is. The answer does not depend on what has been
+    /// farther from the slave, by its edges, than the node is. The answer does not depend on what has been
     /// asked before, however far the walk went for it.
     pub fn reaches(&mut self, index: &SurfaceIndex<'_>, creases: &Creases, place: usize) -> bool {
         let distance = self.square_distance(index, place as u32).to_bits();
@@ -129,12 +129,8 @@ impl Walk {
             }
             self.seen[other as usize] = self.generation;
             if index.normals()[other as usize].dot(&self.up) > SMALLEST_COSINE {
-                // By corners alone a way straight over long facets would be farther than the node that it leads to. Corners count
-                // as they are asked for: by rounding one may be nearer than the point that is found.
-                let found = index.shape(other).closest(self.from).distance;
-                let corners = surface.corners_of(other as usize).iter();
-                let nearest =
-                    corners.map(|&corner| self.square_distance(index, corner)).fold(found * found, f64::min);
+                // By corners alone a way straight over long facets would be farther than the node that it leads to.
+                let nearest = index.shape(other).square_from_edges(self.from);
                 self.next.push(Reverse((nearest.to_bits(), other)));
             }
         }

@@ -5,8 +5,8 @@ use crate::surface::window::{
     Box3, Extents, LARGEST_NUMBER, Setup, Sheet, Window, WindowError, check_boxes, widened,
 };
 use crate::surface::{
-    Carried, Creases, Demands, Facet, MasterSurface, NONE, NodalDomains, Ratios, SheetNodes, Sheets,
-    SurfaceError, Symmetry, SymmetryPlane, check_facets, grown, shape_of, trimmed,
+    Carried, Creases, Demands, Facet, Listed, MasterSurface, NONE, NodalDomains, Ratios, SheetNodes, Sheets,
+    SurfaceError, Symmetry, SymmetryPlane, check_facets, grown, shape_of, still_listed, trimmed,
 };
 use crate::{MaterialDomain, Point};
 
@@ -87,6 +87,8 @@ enum Stage {
         domains: Vec<MaterialDomain>,
         bases: Vec<Carried>,
         ratios: Ratios,
+        /// Of the own facets.
+        lists: Vec<Vec<Listed>>,
     },
     Settled(NodalDomains),
 }
@@ -325,7 +327,7 @@ impl SurfacePart {
                     all.bases.push(carried as u8);
                 }
             }
-            Stage::Grown { ratios: Ratios { ratios, crowded, .. }, .. } => {
+            Stage::Grown { ratios: Ratios { ratios, crowded }, .. } => {
                 self.ask(&mut all, ratios, |node| crowded[node]);
             }
             Stage::Settled(_) => {}
@@ -373,7 +375,9 @@ impl SurfacePart {
         others.iter().try_for_each(PartDemands::check)?;
         self.stage = match &self.stage {
             Stage::Demanded => self.grow(others)?,
-            Stage::Grown { domains, bases, ratios } => self.trim(others, domains, bases, ratios)?,
+            Stage::Grown { domains, bases, ratios, lists } => {
+                self.trim(others, domains, bases, (ratios, lists))?
+            }
             Stage::Settled(_) => return Ok(true),
         };
         Ok(matches!(self.stage, Stage::Settled(_)))
@@ -404,11 +408,16 @@ impl SurfacePart {
             }
         }
         let domains = grown(&self.cells, &factors);
-        let ratios =
+        let own = (&self.own[..], (&bases[..], self.setup.weight));
+        let (lists, open, ratios) = self.with_sheets(|sheets| {
+            let (facets, fits) = own;
+            let (lists, open) = sheets.lists(&domains, facets);
             // Other parts' places may crowd any node.
-            self.with_sheets(|sheets| sheets.ratios(&domains, (&bases, self.setup.weight), &self.own, |_| true))?;
-        self.check_width(&ratios.open)?;
-        Ok(Stage::Grown { domains, bases, ratios })
+            let ratios = sheets.ratios(&domains, fits, (facets, &lists), |_| true);
+            (lists, open, ratios)
+        })?;
+        self.check_width(&open)?;
+        Ok(Stage::Grown { domains, bases, ratios, lists })
     }
 
     fn trim(
@@ -416,7 +425,7 @@ impl SurfacePart {
         others: &[PartDemands],
         domains: &[MaterialDomain],
         bases: &[Carried],
-        own: &Ratios,
+        (own, lists): (&Ratios, &[Vec<Listed>]),
     ) -> Result<Stage, InterfaceError> {
         let mut all = own.clone();
         for other in others {
@@ -426,8 +435,9 @@ impl SurfacePart {
             }
         }
         let domains = trimmed(domains, &all);
-        let (found, mut open) = self.with_sheets(|sheets| sheets.lists(&domains, &self.own))?;
-        let mut lists = vec![Vec::new(); self.surface.facet_count()];
+        let mut found = lists.to_vec();
+        self.with_sheets(|sheets| still_listed(sheets, &domains, &self.own, &mut found))?;
+        let (mut open, mut lists) = (Vec::new(), vec![Vec::new(); self.surface.facet_count()]);
         for (&facet, list) in self.own.iter().zip(found) {
             // The facets at listed nodes are known with all that lies across their edges.
             let around = list.iter().flat_map(|own| self.surface.facets_of_place(self.nodes.place(own.node)));
@@ -437,8 +447,6 @@ impl SurfacePart {
             }
             lists[facet as usize] = list;
         }
-        open.sort_unstable();
-        open.dedup();
         self.check_width(&open)?;
         Ok(Stage::Settled(NodalDomains::given(self.nodes.places().to_vec(), domains, bases.to_vec(), &lists)))
     }

@@ -16,6 +16,7 @@
 use std::ops::Range;
 
 use super::fits::Demands;
+use super::lists::still_listed;
 use super::sheet_nodes::{SheetNodes, at_place};
 use super::sheets::{Carried, Listed, Sheets};
 use super::topology::NONE;
@@ -58,11 +59,12 @@ impl NodalDomains {
         let facets: Vec<u32> = (0..index.surface().facet_count() as u32).collect();
         let Demands { factors, bases, .. } = sheets.demands(&cells, weight, basis, &facets);
         let mut domains = grown(&cells, &factors);
-        let (crowded, mut lists) = sheets.crowded(&domains, &facets);
+        let mut lists = sheets.lists(&domains, &facets).0;
+        let crowded = sheets.crowded(&domains, &facets, &lists);
         if crowded.contains(&true) {
-            let ratios = sheets.ratios(&domains, (&bases, weight), &facets, |place| crowded[place]);
+            let ratios = sheets.ratios(&domains, (&bases, weight), (&facets, &lists), |node| crowded[node]);
             domains = trimmed(&domains, &ratios);
-            lists = sheets.lists(&domains, &facets).0;
+            still_listed(&sheets, &domains, &facets, &mut lists);
         }
         Self::given(nodes.places().to_vec(), domains, bases, &lists)
     }

@@ -5,7 +5,6 @@ use std::sync::atomic::{AtomicU8, AtomicU64, Ordering};
 use rayon::prelude::*;
 
 use super::conditioning::{Near, smallest_factor};
-use super::lists::list;
 use super::sheets::{CHUNK, Carried, Found, Listed, Sheets};
 use super::symmetry::Symmetry;
 use super::topology::NONE;
@@ -185,22 +184,11 @@ impl Scratch {
         (self.reach, self.shell) = (reach, SHELL * reach.min(symmetry.reach()));
     }
 
-    /// Takes the nodes that are listed for a facet, and their domains, for those around. Returns the list.
-    pub fn take_listed(
-        &mut self,
-        sheets: &Sheets<'_>,
-        (domains, extents): (&[MaterialDomain], &[f64]),
-        facet: u32,
-    ) -> Vec<Listed> {
-        let listed = list(sheets, (domains, extents), facet, &mut self.found);
+    /// Takes the nodes that are listed for a facet, and their domains, for those around.
+    pub fn take_listed(&mut self, sheets: &Sheets<'_>, domains: &[MaterialDomain], listed: &[Listed]) {
         self.around.clear();
-        self.around.extend(listed.iter().map(|own| {
-            let domain = &domains[own.node as usize];
-            let is_image = own.image != NONE;
-            (own.node, if is_image { sheets.symmetry.domain_of(own.image, domain) } else { *domain })
-        }));
+        self.around.extend(listed.iter().map(|own| (own.node, sheets.domain_of(domains, own))));
         self.shell = f64::INFINITY;
-        listed
     }
 
     /// The sheet nodes around, or their images, with their domains.

@@ -2,6 +2,7 @@
 
 use rayon::prelude::*;
 
+use super::Shape;
 use super::sheets::{CHUNK, Found, Listed, Sheets};
 use super::topology::NONE;
 use crate::MaterialDomain;
@@ -28,34 +29,54 @@ impl Sheets<'_> {
     }
 }
 
+/// Of lists those nodes whose domains, which have shrunk since, still reach the facet.
+pub(crate) fn still_listed(
+    sheets: &Sheets<'_>,
+    domains: &[MaterialDomain],
+    facets: &[u32],
+    lists: &mut [Vec<Listed>],
+) {
+    facets.par_iter().zip(lists).with_min_len(CHUNK).for_each(|(&facet, list)| {
+        let shape = sheets.index.shape(facet);
+        let reaches = reaching(&shape);
+        list.retain(|own| reaches(&sheets.domain_of(domains, own)));
+    });
+}
+
+/// Whether a domain, with a margin, reaches a facet.
+fn reaching(shape: &Shape) -> impl Fn(&MaterialDomain) -> bool {
+    let middle = shape.middle();
+    move |domain| {
+        let corners = shape.corners().iter();
+        let reach = corners
+            .map(|&corner| domain.length(corner - middle))
+            .fold(1.0 + MARGIN, |reach, x| reach.max(1.0 + MARGIN + x));
+        domain.metric[0] > 0.0 && domain.length(Vector3::from(domain.position) - middle) < reach
+    }
+}
+
 /// The nodes of the facet's sheet whose domains, with a margin, reach it, and their images.
-pub(super) fn list(
+fn list(
     sheets: &Sheets<'_>,
     (domains, extents): (&[MaterialDomain], &[f64]),
     facet: u32,
     found: &mut Found,
 ) -> Vec<Listed> {
-    let symmetry = sheets.symmetry;
-    let shape = sheets.index.shape(facet);
-    let corners = shape.corners();
+    let Sheets { index, nodes, symmetry, .. } = *sheets;
+    let shape = index.shape(facet);
     let middle = shape.middle();
-    let reaches = |domain: &MaterialDomain| {
-        let reach = corners
-            .iter()
-            .map(|&corner| domain.length(corner - middle))
-            .fold(1.0 + MARGIN, |reach, x| reach.max(1.0 + MARGIN + x));
-        domain.metric[0] > 0.0 && domain.length(Vector3::from(domain.position) - middle) < reach
-    };
+    let reaches = reaching(&shape);
+    let needed = |longest: f64| (1.0 + MARGIN) * longest + shape.extent();
+    let longest = |longest: f64, node: u32| longest.max(extents[node as usize]);
     // A domain that reaches the facet from afar is long: walks go on while they meet such.
-    let mut reach = shape.extent();
+    let mut reach = needed(nodes.of_facet(index.surface(), facet).iter().copied().fold(0.0, longest));
     loop {
         sheets.find(found, (facet, middle.into()), reach);
-        let longest = found.nodes.iter().map(|&node| extents[node as usize]).fold(0.0, f64::max);
-        let needed = (1.0 + MARGIN) * longest + shape.extent();
-        if needed <= reach {
+        let all = needed(found.nodes.iter().copied().fold(0.0, longest));
+        if all <= reach {
             break;
         }
-        reach = needed;
+        reach = all;
     }
     let mut all = Vec::new();
     for &node in &found.nodes {

@@ -61,6 +61,7 @@ pub(crate) use checks::{check_facets, check_position};
 pub(crate) use domains::{NodalDomains, grown};
 pub(crate) use fits::Demands;
 pub(crate) use index::Closest;
+pub(crate) use lists::still_listed;
 pub(crate) use own::OwnSurface;
 pub(crate) use shape::{Foot, Shape, shape_of};
 pub(crate) use sheet_nodes::SheetNodes;

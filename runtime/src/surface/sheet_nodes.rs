@@ -54,6 +54,11 @@ impl SheetNodes {
         self.of_corners[facet as usize][corner_of(surface, facet, place)]
     }
 
+    /// Those at the corners of a facet.
+    pub fn of_facet(&self, surface: &MasterSurface, facet: u32) -> &[u32] {
+        &self.of_corners[facet as usize][..surface.corners_of(facet as usize).len()]
+    }
+
     /// The facets of a sheet node, ascending.
     pub fn facets<'s>(&'s self, surface: &'s MasterSurface, node: u32) -> impl Iterator<Item = u32> + 's {
         let facets = surface.facets_of_place(self.place(node)).iter().copied();

@@ -4,8 +4,9 @@ use super::border::Creases;
 use super::index::SurfaceIndex;
 use super::sheet_nodes::SheetNodes;
 use super::symmetry::Symmetry;
+use super::topology::NONE;
 use super::walk::Walk;
-use crate::Point;
+use crate::{MaterialDomain, Point};
 
 /// Centres that one thread works on in a row.
 pub(super) const CHUNK: usize = 64;
@@ -34,6 +35,12 @@ pub(super) struct Found {
 }
 
 impl Sheets<'_> {
+    /// The domain of a listed node, or of the image that is listed.
+    pub(super) fn domain_of(&self, domains: &[MaterialDomain], listed: &Listed) -> MaterialDomain {
+        let domain = &domains[listed.node as usize];
+        if listed.image == NONE { *domain } else { self.symmetry.domain_of(listed.image, domain) }
+    }
+
     /// Finds the nodes of the facet's sheet within reach of a point of it.
     pub(super) fn find(&self, found: &mut Found, (facet, from): (u32, Point), reach: f64) {
         let Found { walk, reached, nodes, is_open } = found;

@@ -40,51 +40,46 @@ pub(crate) struct Ratios {
     pub ratios: Vec<f64>,
     /// Whether a place that the node serves is crowded.
     pub crowded: Vec<bool>,
-    /// Facets whose places may be served by what is not there.
-    pub open: Vec<u32>,
 }
 
 impl Sheets<'_> {
-    /// By sheet node whether a crowded place on these facets is served by it, and the lists of the facets, in parallel.
-    pub fn crowded(&self, domains: &[MaterialDomain], facets: &[u32]) -> (Vec<bool>, Vec<Vec<Listed>>) {
+    /// By sheet node whether a crowded place on these facets, which have these lists, is served by it, in parallel.
+    pub fn crowded(&self, domains: &[MaterialDomain], facets: &[u32], lists: &[Vec<Listed>]) -> Vec<bool> {
         let crowded = Marks::none(self.nodes.places().len());
-        let extents: Vec<f64> = domains.par_iter().map(MaterialDomain::extent).collect();
-        let of_facet = |scratch: &mut Scratch, &facet: &u32| {
-            let listed = scratch.take_listed(self, (domains, &extents), facet);
-            let around = scratch.around();
-            if around.len() > CROWD {
-                for place in places(self, facet) {
-                    let served = || around.iter().filter(|(_, domain)| domain.reaches(place.point));
-                    if served().count() > CROWD {
-                        served().for_each(|(node, _)| crowded.mark(*node));
-                    }
+        let of_facet = |scratch: &mut Scratch, (&facet, listed): (&u32, &Vec<Listed>)| {
+            if listed.len() <= CROWD {
+                return;
+            }
+            scratch.take_listed(self, domains, listed);
+            for place in places(self, facet) {
+                let served = || scratch.around().iter().filter(|(_, domain)| domain.reaches(place.point));
+                if served().count() > CROWD {
+                    served().for_each(|(node, _)| crowded.mark(*node));
                 }
             }
-            listed
         };
-        let lists = facets.par_iter().with_min_len(CHUNK).map_init(Scratch::default, of_facet).collect();
-        (crowded.get(), lists)
+        let all = facets.par_iter().zip(lists).with_min_len(CHUNK);
+        all.for_each_init(Scratch::default, of_facet);
+        crowded.get()
     }
 
-    /// By how much domains can shrink as far as the places on these facets go, in parallel. Of nodes that are not asked for, ratios may
-    /// be too small.
+    /// By how much domains can shrink as far as the places on these facets go, which have these lists, in parallel. Of nodes that are not
+    /// asked for, ratios may be too small.
     pub fn ratios(
         &self,
         domains: &[MaterialDomain],
         (bases, weight): (&[Carried], Weight),
-        facets: &[u32],
+        (facets, lists): (&[u32], &[Vec<Listed>]),
         is_asked: impl Fn(usize) -> bool + Sync,
     ) -> Ratios {
         let count = self.nodes.places().len();
         let ratios: Vec<AtomicU64> = (0..count).map(|_| AtomicU64::new(0)).collect();
         let crowded = Marks::none(count);
-        let extents: Vec<f64> = domains.par_iter().map(MaterialDomain::extent).collect();
-        let of_facet = |scratch: &mut Scratch, &facet: &u32| {
-            scratch.found.is_open = false;
-            scratch.take_listed(self, (domains, &extents), facet);
-            if !scratch.around().iter().any(|(node, _)| is_asked(*node as usize)) {
-                return scratch.found.is_open.then_some(facet);
+        let of_facet = |scratch: &mut Scratch, (&facet, listed): (&u32, &Vec<Listed>)| {
+            if !listed.iter().any(|own| is_asked(own.node as usize)) {
+                return;
             }
+            scratch.take_listed(self, domains, listed);
             for place in places(self, facet) {
                 scratch.look(&place, self.symmetry);
                 let served = scratch.nodes.partition_point(|node| node.distance < 1.0);
@@ -101,14 +96,11 @@ impl Sheets<'_> {
                     ratios[node.node as usize].fetch_max(asked.to_bits(), Ordering::Relaxed);
                 }
             }
-            scratch.found.is_open.then_some(facet)
         };
-        let open: Vec<Option<u32>> =
-            facets.par_iter().with_min_len(CHUNK).map_init(Scratch::default, of_facet).collect();
+        facets.par_iter().zip(lists).with_min_len(CHUNK).for_each_init(Scratch::default, of_facet);
         Ratios {
             ratios: ratios.into_iter().map(|bits| f64::from_bits(bits.into_inner())).collect(),
             crowded: crowded.get(),
-            open: open.into_iter().flatten().collect(),
         }
     }
 }
@@ -133,7 +125,7 @@ impl Marks {
 /// The domains shrunk by the ratios of crowded nodes.
 pub(crate) fn trimmed(
     domains: &[MaterialDomain],
-    Ratios { ratios, crowded, .. }: &Ratios,
+    Ratios { ratios, crowded }: &Ratios,
 ) -> Vec<MaterialDomain> {
     let trimmed = |((domain, &ratio), &crowded): ((&MaterialDomain, &f64), &bool)| {
         if crowded && ratio > 0.0 { domain.times(ratio) } else { *domain }

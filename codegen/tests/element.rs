@@ -379,6 +379,10 @@ fn a_product_of_products_stays_short() {
         m.energy((0..40).fold(x + 1.0, |p, _| p * p));
     });
     assert!(!element.kernels.is_empty());
+    let power = kernels(|m| m.energy((0..7).fold(m.variable::<Expr<'_>>("x"), |p, _| p * p)));
+    let all = element_results(power.kernels.last().unwrap(), &[&[1.0]], &[]);
+    let value = |name: &str| all.iter().find(|(other, _)| other == name).unwrap().1[0];
+    assert_eq!((value("energy"), value("gradient"), value("hessian")), (1.0, 128.0, 128.0 * 127.0));
 }
 
 #[test]

@@ -371,6 +371,28 @@ fn values_that_are_not_finite_are_not_chosen() {
     assert!(config.c_source().unwrap().contains("(-INFINITY)"));
 }
 
+/// A spring of length zero: no norm of a part, and no norm at the origin, takes its stiffness.
+#[test]
+fn a_squared_norm_has_its_hessian_everywhere() {
+    let squares: [fn(Vec3<'_>) -> Expr<'_>; 4] = [
+        |x| 0.5 * x.norm().powi(2),
+        |x| 0.5 * x.norm() * x.norm(),
+        |x| 0.25 * x.norm().powi(2) + 0.25 * (x.norm() * x[2]).powi(2) / x[2].powi(2),
+        |x| 0.5 * x.norm().powf(2.0) + x.norm().powi(4) - x.norm() * x.norm().powi(3),
+    ];
+    for (k, square) in squares.into_iter().enumerate() {
+        let element = kernels(|m| {
+            let (x, stiffness): (Vec3<'_>, Expr<'_>) = (m.variable("x"), m.parameter("k"));
+            m.energy(stiffness * square(x));
+        });
+        for at in [[0.0, 0.0, 1.0], [0.0; 3]].into_iter().filter(|x| k != 2 || x[2] != 0.0) {
+            let all = element_results(element.kernels.last().unwrap(), &[&at, &[7.0]], &[]);
+            let hessian = &all.iter().find(|(name, _)| name == "hessian").unwrap().1;
+            assert!(difference(hessian, &[7.0, 0.0, 7.0, 0.0, 0.0, 7.0]) < 1e-14, "{k} {at:?}: {hessian:?}");
+        }
+    }
+}
+
 /// Long products are not taken apart without end.
 #[test]
 fn a_product_of_products_stays_short() {

@@ -139,6 +139,8 @@ impl<'g> ElementModel<'g> {
 
     /// An intermediate quantity, such as a deformation gradient: its name appears in the code, and derivatives go through it by the
     /// chain rule. Values are the same without; operations may be fewer with it. A quantity of a node gets its name only.
+    ///
+    /// A norm that is squared later is better not named: where it is zero the chain rule has no second derivative of it, and takes 0.
     #[must_use]
     pub fn define<Q: Quantity<'g>>(&self, name: &str, quantity: Q) -> Q {
         self.check_name(name);

@@ -371,6 +371,26 @@ fn values_that_are_not_finite_are_not_chosen() {
     assert!(config.c_source().unwrap().contains("(-INFINITY)"));
 }
 
+/// Derivatives that formulas ask for go through what has a name, and not through what is held.
+#[test]
+fn derivatives_in_formulas_go_through_definitions() {
+    let element = kernels(|m| {
+        let x: Expr<'_> = m.variable("x");
+        let y = m.define("y", x * x);
+        let z = m.define("z", y * y + 3.0 * y + x);
+        let held = m.held("w", x);
+        let f = z * y + held * x;
+        m.value("slope", f.by(x));
+        m.value("curvature", f.by(x).by(x));
+        m.energy(y.by(x));
+    });
+    let all = element_results(element.kernels.last().unwrap(), &[&[2.0]], &[]);
+    let value = |name: &str| all.iter().find(|(other, _)| other == name).unwrap().1[0];
+    // x⁶ + 3 x⁴ + x³ + w x
+    assert_eq!((value("slope"), value("curvature")), (192.0 + 96.0 + 12.0 + 2.0, 480.0 + 144.0 + 12.0));
+    assert_eq!((value("energy"), value("gradient")), (4.0, 2.0));
+}
+
 /// A spring of length zero: no norm of a part, and no norm at the origin, takes its stiffness.
 #[test]
 fn a_squared_norm_has_its_hessian_everywhere() {

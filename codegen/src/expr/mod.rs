@@ -179,14 +179,15 @@ impl<'g> Expr<'g> {
         self.value() == Some(0.0)
     }
 
-    /// Its derivative by a symbol, see [`Graph::derivative`].
+    /// Its derivative by a symbol, see [`Graph::derivative`]; in the formulas of an element also through what
+    /// [`define`](crate::ElementModel::define) has named.
     ///
     /// # Panics
     /// If `symbol` is no symbol.
     #[must_use]
     pub fn by(self, symbol: Self) -> Self {
         let symbol = symbol.symbol();
-        self.map(|g, x| g.derivative(x, symbol))
+        self.map(|g, x| g.derivative_of_formula(x, symbol))
     }
 
     /// Its value where symbols have other values, see [`Graph::substitute`].

@@ -20,7 +20,7 @@ mod structured;
 mod substitute;
 mod symbols;
 
-use rustc_hash::FxHashMap;
+use rustc_hash::{FxHashMap, FxHashSet};
 
 use crate::table::Table;
 
@@ -249,6 +249,8 @@ pub struct Graph {
     names: Vec<Option<String>>,
     symbols: Vec<Symbol>,
     symbol_names: FxHashMap<String, SymbolId>,
+    /// Bound symbols that formulas are differentiated through while they are written.
+    quantities: FxHashSet<SymbolId>,
     derivatives: Table<(ExprId, SymbolId), ExprId>,
     polynomials: Vec<Polynomial>,
     systems: Vec<SymmetricSystem>,

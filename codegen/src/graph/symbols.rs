@@ -81,6 +81,44 @@ impl Graph {
         symbol
     }
 
+    /// Lets [`derivative_of_formula`](Self::derivative_of_formula) go through a bound symbol.
+    pub(crate) fn add_quantity(&mut self, symbol: ExprId) {
+        let symbol = self.symbol_of(symbol);
+        self.quantities.insert(symbol);
+    }
+
+    /// Makes quantities variables of their own, for the rules that go through definitions one by one.
+    pub(crate) fn end_quantities(&mut self) {
+        self.quantities.clear();
+    }
+
+    /// The first bound symbol in an expression whose definition contains one of these symbols.
+    pub(crate) fn definition_with(&self, expr: ExprId, symbols: &[ExprId]) -> Option<(ExprId, ExprId)> {
+        let bound = self.reachable(expr, |g, x| match g.op(x) {
+            Op::Symbol(_) => Vec::new(),
+            _ => g.dependencies(x),
+        });
+        let bound = bound.into_iter().filter(|&x| matches!(self.op(x), Op::Symbol(_)));
+        let mut found = bound.flat_map(|x| {
+            let definition = self.dependencies(x).into_iter();
+            let below = definition.flat_map(|y| self.reachable(y, Self::dependencies));
+            below.filter(|y| symbols.contains(y)).map(move |y| (x, y)).collect::<Vec<_>>()
+        });
+        found.next()
+    }
+
+    /// An expression and what it is made of, each once.
+    pub(super) fn reachable(&self, expr: ExprId, next: impl Fn(&Self, ExprId) -> Vec<ExprId>) -> Vec<ExprId> {
+        let (mut seen, mut all, mut open) = (FxHashSet::default(), Vec::new(), vec![expr]);
+        while let Some(x) = open.pop() {
+            if seen.insert(x) {
+                all.push(x);
+                open.extend(next(self, x));
+            }
+        }
+        all
+    }
+
     /// A new free variable of element scope, to be substituted before anything is evaluated. Its name is made
     /// unique.
     pub fn variable(&mut self, name: &str) -> ExprId {

@@ -96,6 +96,16 @@ pub enum ElementError {
         /// The unknowns.
         unknowns: String,
     },
+    /// A quantity that is defined by the unknowns that are sought, or held: it would not change with them.
+    #[error(
+        "`{quantity}` has a name and contains `{unknown}`, which is sought; write it in the equations without `define`, `held` or equations of its own"
+    )]
+    Sought {
+        /// The quantity, or its entry.
+        quantity: String,
+        /// The unknown.
+        unknown: String,
+    },
     /// Equations whose unknowns stand in sums over the nodes.
     #[error("the unknowns of `{root}` stand in sums over the nodes, where only `stationary` finds them")]
     RootInSum {

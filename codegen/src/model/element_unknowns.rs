@@ -226,7 +226,9 @@ impl<'g> ElementModel<'g> {
         }
         let order = others.into_iter().chain(multipliers.iter().copied()).collect();
         let system = SymmetricSystem::of(&format!("{name}_system"), &lower, order);
-        let system = self.sheet.system(system.with_multipliers(multipliers));
+        // A diagonal entry may be zero: then so is its pivot, and their ratio, not 0/0.
+        let references = (0..N).map(|k| (lower[k][k] + f64::MIN_POSITIVE).id()).collect();
+        let system = self.sheet.system(system.with_references(references).with_multipliers(multipliers));
         let at_zero = equations.at(&unknowns.set_to(Vector::zero(self.sheet)));
         let solution = system.solve(&at_zero.map(|x| -x).0);
         let values = self.define(name, Vector::from_fn(|k| solution[k]));

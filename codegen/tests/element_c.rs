@@ -262,6 +262,29 @@ fn compiled_c_has_the_numbers_of_the_interpreter() {
     }
 }
 
+/// Equations that are singular or no numbers have residuals that any comparison finds.
+#[test]
+fn compiled_c_reports_equations_without_a_root() {
+    let formulas = |m: &ElementModel<'_>| {
+        let x: Expr<'_> = m.variable("x");
+        let line = Vector([x, 2.0 * x]);
+        let singular = m.solve("pair", Matrix([line.0, line.0]), Vector([x, 2.0 * x]));
+        let rows = Matrix::from_fn(|i, j| x * f64::from((i * j) as u8));
+        let zero = m.solve("three", rows, Vec3::from_fn(|_| x));
+        let least = m.minimum("least", |u: Vector<'_, 2>| u[0] * u[0] + u[1] * u[1] + (-x).ln());
+        let none = m.root("none", |u: Vector<'_, 1>| u - Vector([(-x).sqrt()]));
+        let residuals = [singular.residual, zero.residual, none.residual, least.residual];
+        m.value("residuals", Vector(residuals));
+    };
+    let header = Config::new().element("singular", formulas).unwrap().c_source().unwrap();
+    let program = "#include \"elements.h\"\n#include <stdio.h>\nint main(void) {\n\
+                   const singular_inputs in = {1.0}; singular_values v; singular_value(&in, &v);\n\
+                   for (int k = 0; k < 4; k++) printf(\"%d\\n\", v.residuals[k] > 1e-12);\nreturn 0; }\n";
+    for options in [&["-O0"][..], &["-O3"]] {
+        assert_eq!(printed("singular", &header, program, options), [1.0, 1.0, 1.0, 0.0]);
+    }
+}
+
 /// A spring to a weighted average, and a fit with a root of it: loops over nodes, values kept between them, products of rows.
 fn fitted(m: &ElementModel<'_>) {
     let (x, stiffness): (Vec3<'_>, Expr<'_>) = (m.variable("x"), m.parameter("node"));

@@ -14,7 +14,7 @@ pub struct Root<'g, const N: usize> {
     /// The unknowns.
     pub unknowns: Vector<'g, N>,
     /// Largest residual relative to the starting one or to the unknowns, whichever is larger; below 10⁻¹², or there is no root near
-    /// the start.
+    /// the start. It is infinite, and no NaN, where the Jacobian is singular or an equation is no number.
     pub residual: Expr<'g>,
     /// Evaluations of the equations.
     pub iterations: Expr<'g>,

@@ -5,7 +5,7 @@
 use diffuse_contact_codegen::emit::MOST_STATEMENTS;
 use diffuse_contact_codegen::emit::emit_element_kernel;
 use diffuse_contact_codegen::expr::{Expr, Mat3, Vec2, Vec3, Vector, total};
-use diffuse_contact_codegen::graph::{ExprId, Scope};
+use diffuse_contact_codegen::graph::{ExprId, Polynomial, Scope};
 use diffuse_contact_codegen::interpret::{Interpreter, NodeInputs, element_derivatives, element_results};
 use diffuse_contact_codegen::model::Input;
 use diffuse_contact_codegen::{Config, ConfigError, ElementError, ElementKernels, ElementModel, Mode};
@@ -357,11 +357,14 @@ fn values_that_are_not_finite_are_not_chosen() {
         let l = m.define("l", (d / h).ln());
         m.value("damped", l.max(0.0));
         m.value("largest", m.sheet().number(f64::NEG_INFINITY).max(d).max(h));
-        m.energy(d * d);
+        m.value("held", m.held("l_held", (d / h).ln()).max(0.0));
+        // A polynomial of what has an infinite derivative.
+        m.energy(d * d + d.less(0.5).select(0.0, d.ln().polynomial(Polynomial::new(vec![0.0, 1.0, 3.0]))));
     });
-    let all = element_results(&element.kernels[0], &[&[0.0], &[2.0]], &[]);
+    let all = element_results(element.kernels.last().unwrap(), &[&[0.0], &[2.0]], &[]);
     let value = |name: &str| all.iter().find(|(other, _)| other == name).unwrap().1[0];
-    assert_eq!((value("damped"), value("largest")), (0.0, 2.0));
+    assert_eq!((value("damped"), value("largest"), value("held")), (0.0, 2.0, 0.0));
+    assert_eq!((value("gradient"), value("hessian")), (0.0, 2.0));
     let config = Config::new().element("test", |m| {
         let d: Expr<'_> = m.variable("d");
         m.energy(m.sheet().number(f64::NEG_INFINITY).max(d) + m.sheet().number(f64::INFINITY).min(d));

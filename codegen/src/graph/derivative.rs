@@ -173,8 +173,8 @@ impl Graph {
             Op::Polynomial(base, polynomial) => self.differentiate_polynomial(base, polynomial, symbol),
             // the condition is locally constant
             Op::Select { x, y, then, otherwise } => match self.chain(expr, symbol) {
-                Some((outer, inner)) => self.mul(outer, inner),
-                None => {
+                Some((outer, inner)) if self.is_finite_factor(inner, symbol) => self.mul(outer, inner),
+                _ => {
                     let (then, otherwise) =
                         (self.derivative(then, symbol), self.derivative(otherwise, symbol));
                     self.select_less(x, y, then, otherwise)
@@ -309,6 +309,15 @@ impl Graph {
             }
             _ => None,
         }
+    }
+
+    /// Whether a derivative by a symbol may be multiplied by zero where a choice leaves it out. Inputs that others are divided by, such as
+    /// a radius, are taken for other than zero.
+    fn is_finite_factor(&self, derivative: ExprId, by: SymbolId) -> bool {
+        self.is_finite_over(derivative, |divisor| match self.op(divisor) {
+            Op::Symbol(symbol) => symbol != by && self.symbol_data(symbol).definition.is_none(),
+            _ => false,
+        })
     }
 
     /// A x = b -> A x' = b' - A' x: one more right-hand side for the same factorisation.

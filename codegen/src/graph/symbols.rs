@@ -26,6 +26,11 @@ impl Graph {
 
     /// Whether a definition is finite wherever the inputs are, but for overflow: one without divisions, roots and logarithms.
     fn is_finite(&self, definition: ExprId) -> bool {
+        self.is_finite_over(definition, |_| false)
+    }
+
+    /// The same, where some expressions may be divided by.
+    pub(super) fn is_finite_over(&self, definition: ExprId, is_divisor: impl Fn(ExprId) -> bool) -> bool {
         let (mut seen, mut open) = (FxHashSet::default(), vec![definition]);
         while let Some(x) = open.pop() {
             if !seen.insert(x) {
@@ -35,6 +40,7 @@ impl Graph {
                 Op::Constant(bits) => f64::from_bits(bits).is_finite(),
                 Op::Symbol(symbol) => self.symbol_data(symbol).is_finite,
                 Op::Power(_, exponent) => exponent > 0,
+                Op::Div(_, divisor) => is_divisor(divisor),
                 Op::Function(function, _) => function != Function::Ln,
                 Op::Add(..) | Op::Neg(_) | Op::Mul(..) | Op::Polynomial(..) | Op::Hypot(..) => true,
                 Op::Select { .. } | Op::Sum(_) | Op::DivOrZero(..) => true,
@@ -64,10 +70,14 @@ impl Graph {
         self.intern(Op::Symbol(symbol))
     }
 
-    /// A new symbol bound to `definition` that is held: nothing that it depends on changes it while derivatives are taken.
+    /// A new symbol bound to `definition` that is held: nothing that it depends on changes it while derivatives are taken. Its name is made
+    /// unique.
     pub fn bind_held(&mut self, name: &str, definition: ExprId) -> ExprId {
-        let symbol = self.add_symbol(name, self.scope(definition), Some(definition));
-        self.symbols[symbol.index()].is_held = true;
+        let unique = self.unique_name(name);
+        let symbol = self.add_symbol(&unique, self.scope(definition), Some(definition));
+        let is_finite = self.is_finite(definition);
+        let data = &mut self.symbols[symbol.index()];
+        (data.is_held, data.is_finite) = (true, is_finite);
         self.intern(Op::Symbol(symbol))
     }
 

@@ -347,6 +347,24 @@ fn mistakes_name_the_element_and_the_expression() {
     check(error_of("a", root), expected, "`cube_root`");
     let described = |m: &ElementModel<'_>| discard((scalar(m, "x"), m.describe("y", "length")));
     check(error_of("a", described), ElementError::Unknown { name: named("y") }, "`y`");
+    let held = |m: &ElementModel<'_>| discard((scalar(m, "x"), m.held("x", m.parameter::<Expr<'_>>("y"))));
+    check(error_of("a", held), ElementError::Duplicate { name: named("x") }, "\"x\"");
+    for number in [f64::NAN, f64::INFINITY] {
+        let points = |m: &ElementModel<'_>| m.energy(m.points::<Expr<'_>>("xi", &[[0.5], [number]]).powi(2));
+        check(error_of("a", points), ElementError::Points { name: named("xi") }, "finite");
+    }
+}
+
+/// A name in the formulas need not be one in the code.
+#[test]
+fn any_name_may_be_given_to_an_expression() {
+    let config = Config::new().element("test", |m| {
+        let x: Expr<'_> = m.variable("x");
+        let sum = (x + 2.0).named("my sum");
+        m.energy((sum * sum.sin().named("match")).named("gen").exp());
+    });
+    let config = config.unwrap();
+    assert!(config.source().is_ok_and(|text| !text.contains("my sum")) && config.c_source().is_ok());
 }
 
 /// A logarithm of 0 under a name is not multiplied where it is not chosen; a maximum may begin at −∞.
@@ -473,6 +491,11 @@ fn a_test_that_cannot_be_is_refused() {
         let ConfigError::Element { source, .. } = &error else { panic!("{error}") };
         assert_eq!(*source, expected);
     }
+    let number = config.clone().test("a", &[&[f64::NAN]], &[]).source().unwrap_err();
+    let ConfigError::Element { source: ElementError::TestNumber { input }, .. } = &number else {
+        panic!("{number}")
+    };
+    assert_eq!(input, "x");
     assert!(config.test("a", &[&[2.0]], &[]).source().unwrap().contains("mod a_tests"));
 }
 

@@ -17,7 +17,7 @@ const TOLERANCE: f64 = 1e-12;
 /// which shares nothing with the emitter, and the derivatives that the interpreter finds without those of the graph.
 ///
 /// # Errors
-/// [`ElementError::TestInputs`], [`ElementError::TestResult`], [`ElementError::TestDerivative`].
+/// [`ElementError::TestInputs`], [`ElementError::TestNumber`], [`ElementError::TestResult`], [`ElementError::TestDerivative`].
 pub fn emit_element_test(
     element: &ElementKernels,
     support: &syn::Path,
@@ -27,7 +27,7 @@ pub fn emit_element_test(
     let (signature, Some(kernel)) = (&element.signature, element.kernels.last()) else {
         return Err(ElementError::NoOutput);
     };
-    check_lengths(signature, inputs, nodes)?;
+    check_numbers(signature, inputs, nodes)?;
     let interpreted = element_results(kernel, &slices(inputs), &slices(nodes));
     let interpreted = comparisons(signature, &interpreted, |result| ElementError::TestResult { result })?;
     let differentiated = element_derivatives(element, &slices(inputs), &slices(nodes));
@@ -150,17 +150,22 @@ fn direction(count: usize) -> Vec<f64> {
     (1..=count).map(|k| ((0.618_034 * k as f64).fract() * 1e3).round() / 1e3 - 0.5).collect()
 }
 
-fn check_lengths(signature: &Signature, inputs: &[Vec<f64>], nodes: &[Vec<f64>]) -> Result<(), ElementError> {
+fn check_numbers(signature: &Signature, inputs: &[Vec<f64>], nodes: &[Vec<f64>]) -> Result<(), ElementError> {
     let wrong = |input: &str, expected: usize, found: usize| {
         let input = input.to_owned();
         if expected == found { Ok(()) } else { Err(ElementError::TestInputs { input, expected, found }) }
     };
+    let check = |input: &str, expected: usize, numbers: &[f64]| {
+        wrong(input, expected, numbers.len())?;
+        let is_finite = numbers.iter().all(|x| x.is_finite());
+        if is_finite { Ok(()) } else { Err(ElementError::TestNumber { input: input.to_owned() }) }
+    };
     wrong("inputs", signature.inputs.len(), inputs.len())?;
     for (input, numbers) in signature.inputs.iter().zip(inputs) {
-        wrong(&input.name, input.symbols.len(), numbers.len())?;
+        check(&input.name, input.symbols.len(), numbers)?;
     }
     let per_node: usize = signature.nodes.iter().map(|input| input.symbols.len()).sum();
-    nodes.iter().try_for_each(|node| wrong("node", per_node, node.len()))
+    nodes.iter().try_for_each(|node| check("node", per_node, node))
 }
 
 /// A statement for each result that compares it with the numbers of `expected`; all values have one tolerance.

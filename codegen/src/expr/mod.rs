@@ -83,7 +83,7 @@ impl<'g> Expr<'g> {
         self.sheet.make(|g| make(g, self.id, other))
     }
 
-    /// Gives it a name in emitted code, see [`Graph::name`].
+    /// Gives it a name in emitted code, see [`Graph::name`]. One that is no identifier of Rust is not taken there.
     #[must_use]
     pub fn named(self, name: &str) -> Self {
         self.map(|g, x| g.name(x, name))

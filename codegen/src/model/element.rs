@@ -110,7 +110,8 @@ impl<'g> ElementModel<'g> {
         if points.symbols.is_empty() {
             points.rows = vec![Vec::new(); rows.len()];
         }
-        let is_whole = rows.iter().all(|row| row.as_ref().len() == symbols.len());
+        let is_row = |row: &[f64]| row.len() == symbols.len() && row.iter().all(|x| x.is_finite());
+        let is_whole = rows.iter().all(|row| is_row(row.as_ref()));
         if rows.is_empty() || points.rows.len() != rows.len() || !is_whole {
             self.fail(ElementError::Points { name: name.to_owned() });
         }

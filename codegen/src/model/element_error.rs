@@ -76,7 +76,7 @@ pub enum ElementError {
     },
     /// A table of numbers at points that does not fit.
     #[error(
-        "the rows of `{name}` have not one number for each of its entries, or not as many rows as the points before"
+        "the rows of `{name}` have not one finite number for each of its entries, or not as many rows as the points before"
     )]
     Points {
         /// The table.
@@ -141,6 +141,12 @@ pub enum ElementError {
         expected: usize,
         /// As many as were given.
         found: usize,
+    },
+    /// An infinite number, or none, among those for the test of an element.
+    #[error("`{input}` of the test is not finite")]
+    TestNumber {
+        /// The input; `node` for the numbers of a node.
+        input: String,
     },
     /// A result that is infinite or no number, with the inputs of the test.
     #[error("`{result}` is not finite with the inputs of the test")]

@@ -324,3 +324,20 @@ fn a_definition_of_what_is_sought_is_refused() {
         assert!(quantity == name && unknown.contains("unknown_"), "{name}: {error}");
     }
 }
+
+/// Kernel and interpreter count other things in an iteration: tests ask for convergence, and compare everything else.
+#[test]
+fn a_test_does_not_compare_how_an_iteration_went() {
+    let config = Config::new().element("test", |m| {
+        let x: Vec2<'_> = m.variable("x");
+        let root = m.root("u", |u: Vec2<'_>| u + 0.1 * u.dot(u) * u - x);
+        m.energy(root.unknowns.dot(root.unknowns));
+        m.value("steps", root.iterations);
+        m.value("figures", Vector([root.residual, x[0]]));
+    });
+    let text = config.unwrap().test("test", &[&[0.3, 0.4]], &[]).source().unwrap();
+    let tests: String = text[text.find("mod test_tests").unwrap()..].split_whitespace().collect();
+    assert!(!tests.contains(r#"agree("steps""#), "{tests}");
+    assert!(tests.contains("assert!(found.values.figures[0]<") && tests.contains("showsnoroot"), "{tests}");
+    assert!(tests.contains(r#"agree("figures",&[found.values.figures[1]][..],&[0.3"#), "{tests}");
+}

@@ -41,7 +41,7 @@ impl Graph {
         let mut open = BTreeMap::from([(expr, (expr, one))]);
         while let Some((_, (x, outer))) = open.pop_last() {
             let inner = self.derivative(x, symbol);
-            let product = self.mul(outer, inner);
+            let product = if x == expr { inner } else { self.mul(outer, inner) };
             total = self.add(total, product);
             for (quantity, definition) in self.quantities_with(x, by) {
                 let symbol = self.symbol_of(quantity);

@@ -340,9 +340,15 @@ impl Config {
     /// many.
     ///
     /// # Errors
-    /// [`ConfigError::DuplicateElement`].
+    /// [`ConfigError::DuplicateElement`], also of names that differ in the case of letters only.
     pub fn c_source(&self) -> Result<String, ConfigError> {
         self.check_elements()?;
+        // Guards and constants are in upper case.
+        let mut names = FxHashSet::default();
+        let mut elements = self.elements.iter().map(|element| &element.signature.name);
+        if let Some(name) = elements.find(|name| !names.insert(name.to_uppercase())) {
+            return Err(ConfigError::DuplicateElement { name: name.clone() });
+        }
         Ok(emit_c(&self.elements))
     }
 

@@ -357,7 +357,8 @@ impl<'a, N: Number> Interpreter<'a, N> {
             (values, residual, jacobian) = (trial, r, j);
             iterations += 1;
         }
-        let largest = norm(&residual);
+        // Infinite for a NaN, as kernels have it.
+        let largest = norm(&residual).min(f64::INFINITY);
         let of_values: Vec<Vec<N>> =
             jacobian.iter().map(|row| row.iter().map(|&x| N::constant(x)).collect()).collect();
         for _ in 0..N::ORDER {

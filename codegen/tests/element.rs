@@ -5,7 +5,7 @@
 use diffuse_contact_codegen::emit::MOST_STATEMENTS;
 use diffuse_contact_codegen::emit::emit_element_kernel;
 use diffuse_contact_codegen::expr::{Expr, Mat3, Vec2, Vec3, Vector, total};
-use diffuse_contact_codegen::graph::{ExprId, Scope};
+use diffuse_contact_codegen::graph::{ExprId, Polynomial, Scope};
 use diffuse_contact_codegen::interpret::{Interpreter, NodeInputs, element_derivatives, element_results};
 use diffuse_contact_codegen::model::Input;
 use diffuse_contact_codegen::{Config, ConfigError, ElementError, ElementKernels, ElementModel, Mode};
@@ -347,6 +347,24 @@ fn mistakes_name_the_element_and_the_expression() {
     check(error_of("a", root), expected, "`cube_root`");
     let described = |m: &ElementModel<'_>| discard((scalar(m, "x"), m.describe("y", "length")));
     check(error_of("a", described), ElementError::Unknown { name: named("y") }, "`y`");
+    let held = |m: &ElementModel<'_>| discard((scalar(m, "x"), m.held("x", m.parameter::<Expr<'_>>("y"))));
+    check(error_of("a", held), ElementError::Duplicate { name: named("x") }, "\"x\"");
+    for number in [f64::NAN, f64::INFINITY] {
+        let points = |m: &ElementModel<'_>| m.energy(m.points::<Expr<'_>>("xi", &[[0.5], [number]]).powi(2));
+        check(error_of("a", points), ElementError::Points { name: named("xi") }, "finite");
+    }
+}
+
+/// A name in the formulas need not be one in the code.
+#[test]
+fn any_name_may_be_given_to_an_expression() {
+    let config = Config::new().element("test", |m| {
+        let x: Expr<'_> = m.variable("x");
+        let sum = (x + 2.0).named("my sum");
+        m.energy((sum * sum.sin().named("match")).named("gen").exp());
+    });
+    let config = config.unwrap();
+    assert!(config.source().is_ok_and(|text| !text.contains("my sum")) && config.c_source().is_ok());
 }
 
 /// A logarithm of 0 under a name is not multiplied where it is not chosen; a maximum may begin at −∞.
@@ -357,11 +375,14 @@ fn values_that_are_not_finite_are_not_chosen() {
         let l = m.define("l", (d / h).ln());
         m.value("damped", l.max(0.0));
         m.value("largest", m.sheet().number(f64::NEG_INFINITY).max(d).max(h));
-        m.energy(d * d);
+        m.value("held", m.held("l_held", (d / h).ln()).max(0.0));
+        // A polynomial of what has an infinite derivative.
+        m.energy(d * d + d.less(0.5).select(0.0, d.ln().polynomial(Polynomial::new(vec![0.0, 1.0, 3.0]))));
     });
-    let all = element_results(&element.kernels[0], &[&[0.0], &[2.0]], &[]);
+    let all = element_results(element.kernels.last().unwrap(), &[&[0.0], &[2.0]], &[]);
     let value = |name: &str| all.iter().find(|(other, _)| other == name).unwrap().1[0];
-    assert_eq!((value("damped"), value("largest")), (0.0, 2.0));
+    assert_eq!((value("damped"), value("largest"), value("held")), (0.0, 2.0, 0.0));
+    assert_eq!((value("gradient"), value("hessian")), (0.0, 2.0));
     let config = Config::new().element("test", |m| {
         let d: Expr<'_> = m.variable("d");
         m.energy(m.sheet().number(f64::NEG_INFINITY).max(d) + m.sheet().number(f64::INFINITY).min(d));
@@ -369,6 +390,48 @@ fn values_that_are_not_finite_are_not_chosen() {
     let config = config.unwrap();
     assert!(config.source().unwrap().contains("splat(-f64::INFINITY)"));
     assert!(config.c_source().unwrap().contains("(-INFINITY)"));
+}
+
+/// Derivatives that formulas ask for go through what has a name, and not through what is held.
+#[test]
+fn derivatives_in_formulas_go_through_definitions() {
+    let element = kernels(|m| {
+        let x: Expr<'_> = m.variable("x");
+        let y = m.define("y", x * x);
+        let z = m.define("z", y * y + 3.0 * y + x);
+        let held = m.held("w", x);
+        let f = z * y + held * x;
+        m.value("slope", f.by(x));
+        m.value("curvature", f.by(x).by(x));
+        m.energy(y.by(x));
+    });
+    let all = element_results(element.kernels.last().unwrap(), &[&[2.0]], &[]);
+    let value = |name: &str| all.iter().find(|(other, _)| other == name).unwrap().1[0];
+    // x⁶ + 3 x⁴ + x³ + w x
+    assert_eq!((value("slope"), value("curvature")), (192.0 + 96.0 + 12.0 + 2.0, 480.0 + 144.0 + 12.0));
+    assert_eq!((value("energy"), value("gradient")), (4.0, 2.0));
+}
+
+/// A spring of length zero: no norm of a part, and no norm at the origin, takes its stiffness.
+#[test]
+fn a_squared_norm_has_its_hessian_everywhere() {
+    let squares: [fn(Vec3<'_>) -> Expr<'_>; 4] = [
+        |x| 0.5 * x.norm().powi(2),
+        |x| 0.5 * x.norm() * x.norm(),
+        |x| 0.25 * x.norm().powi(2) + 0.25 * (x.norm() * x[2]).powi(2) / x[2].powi(2),
+        |x| 0.5 * x.norm().powf(2.0) + x.norm().powi(4) - x.norm() * x.norm().powi(3),
+    ];
+    for (k, square) in squares.into_iter().enumerate() {
+        let element = kernels(|m| {
+            let (x, stiffness): (Vec3<'_>, Expr<'_>) = (m.variable("x"), m.parameter("k"));
+            m.energy(stiffness * square(x));
+        });
+        for at in [[0.0, 0.0, 1.0], [0.0; 3]].into_iter().filter(|x| k != 2 || x[2] != 0.0) {
+            let all = element_results(element.kernels.last().unwrap(), &[&at, &[7.0]], &[]);
+            let hessian = &all.iter().find(|(name, _)| name == "hessian").unwrap().1;
+            assert!(difference(hessian, &[7.0, 0.0, 7.0, 0.0, 0.0, 7.0]) < 1e-14, "{k} {at:?}: {hessian:?}");
+        }
+    }
 }
 
 /// Long products are not taken apart without end.
@@ -379,6 +442,10 @@ fn a_product_of_products_stays_short() {
         m.energy((0..40).fold(x + 1.0, |p, _| p * p));
     });
     assert!(!element.kernels.is_empty());
+    let power = kernels(|m| m.energy((0..7).fold(m.variable::<Expr<'_>>("x"), |p, _| p * p)));
+    let all = element_results(power.kernels.last().unwrap(), &[&[1.0]], &[]);
+    let value = |name: &str| all.iter().find(|(other, _)| other == name).unwrap().1[0];
+    assert_eq!((value("energy"), value("gradient"), value("hessian")), (1.0, 128.0, 128.0 * 127.0));
 }
 
 #[test]
@@ -424,6 +491,11 @@ fn a_test_that_cannot_be_is_refused() {
         let ConfigError::Element { source, .. } = &error else { panic!("{error}") };
         assert_eq!(*source, expected);
     }
+    let number = config.clone().test("a", &[&[f64::NAN]], &[]).source().unwrap_err();
+    let ConfigError::Element { source: ElementError::TestNumber { input }, .. } = &number else {
+        panic!("{number}")
+    };
+    assert_eq!(input, "x");
     assert!(config.test("a", &[&[2.0]], &[]).source().unwrap().contains("mod a_tests"));
 }
 

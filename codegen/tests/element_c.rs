@@ -6,7 +6,7 @@ use std::process::Command;
 
 use diffuse_contact_codegen::expr::{Expr, Matrix, Vec3, Vector};
 use diffuse_contact_codegen::interpret::{Interpreter, NodeInputs, element_products, element_results};
-use diffuse_contact_codegen::{Config, ElementKernels, ElementModel, Kernel, Limits, Mode};
+use diffuse_contact_codegen::{Config, ConfigError, ElementKernels, ElementModel, Kernel, Limits, Mode};
 
 use crate::witnesses::{numbers, spring, tet4};
 
@@ -260,6 +260,52 @@ fn compiled_c_has_the_numbers_of_the_interpreter() {
             assert!(worst < 1e-12, "{name}: {worst:e}");
         }
     }
+}
+
+/// Equations that are singular or no numbers have residuals that any comparison finds.
+#[test]
+fn compiled_c_reports_equations_without_a_root() {
+    let formulas = |m: &ElementModel<'_>| {
+        let x: Expr<'_> = m.variable("x");
+        let line = Vector([x, 2.0 * x]);
+        let singular = m.solve("pair", Matrix([line.0, line.0]), Vector([x, 2.0 * x]));
+        let rows = Matrix::from_fn(|i, j| x * f64::from((i * j) as u8));
+        let zero = m.solve("three", rows, Vec3::from_fn(|_| x));
+        let least = m.minimum("least", |u: Vector<'_, 2>| u[0] * u[0] + u[1] * u[1] + (-x).ln());
+        let none = m.root("none", |u: Vector<'_, 1>| u - Vector([(-x).sqrt()]));
+        let residuals = [singular.residual, zero.residual, none.residual, least.residual];
+        m.value("residuals", Vector(residuals));
+    };
+    let header = Config::new().element("singular", formulas).unwrap().c_source().unwrap();
+    let program = "#include \"elements.h\"\n#include <stdio.h>\nint main(void) {\n\
+                   const singular_inputs in = {1.0}; singular_values v; singular_value(&in, &v);\n\
+                   for (int k = 0; k < 4; k++) printf(\"%d\\n\", v.residuals[k] > 1e-12);\nreturn 0; }\n";
+    for options in [&["-O0"][..], &["-O3"]] {
+        assert_eq!(printed("singular", &header, program, options), [1.0, 1.0, 1.0, 0.0]);
+    }
+}
+
+/// Members have the names of the formulas, but for words of C, and elements names that differ in more than the case of letters.
+#[test]
+fn names_in_c_are_those_of_the_formulas() {
+    let formulas = |m: &ElementModel<'_>| {
+        let [k, count, long] = m.parameters(["k", "count", "long"]);
+        let x: Expr<'_> = m.variable("inputs");
+        m.energy(k * x * x + count * long * x);
+        m.value("values", k);
+    };
+    let header = Config::new().element("spring", formulas).unwrap().c_source().unwrap();
+    for member in ["double k;", "double count;", "double long_;", "double inputs;", "double values;"] {
+        assert!(header.contains(member), "{member}");
+    }
+    let program = "#include \"elements.h\"\n#include <stdio.h>\nint main(void) {\n\
+                   const spring_inputs in = {.k = 2.0, .count = 3.0, .long_ = 1.0, .inputs = 4.0}; spring_values v;\n\
+                   spring_value(&in, &v); printf(\"%g\\n%g\\n\", v.energy, v.values);\nreturn 0; }\n";
+    assert_eq!(printed("names", &header, program, &[]), [44.0, 2.0]);
+    let both = Config::new().element("Spring", formulas).unwrap().element("spring", formulas).unwrap();
+    let error = both.c_source().unwrap_err();
+    assert!(matches!(&error, ConfigError::DuplicateElement { name } if name == "spring"), "{error}");
+    assert!(both.source().is_ok());
 }
 
 /// A spring to a weighted average, and a fit with a root of it: loops over nodes, values kept between them, products of rows.

@@ -5,6 +5,7 @@
 use diffuse_contact_codegen::emit::emit_element_kernel;
 use diffuse_contact_codegen::expr::{Expr, Matrix, Vec2, Vec3, Vector, dot};
 use diffuse_contact_codegen::interpret::{element_derivatives, element_results};
+use diffuse_contact_codegen::lower::lower;
 use diffuse_contact_codegen::{
     Config, ConfigError, ElementError, ElementKernels, ElementModel, Limits, Mode,
 };
@@ -164,6 +165,16 @@ fn a_fit_of_moving_least_squares() {
     let element = ElementKernels::new("test", formulas).unwrap();
     let found = interpreted(&element, Mode::Value, &[&[0.02, -0.05, 0.3]], &slices(&nodes));
     assert!(found("pivot_ratio")[0] > 0.1, "{:?}", found("pivot_ratio"));
+    // Three nodes in a row, whose plane may turn about it, and none: of the formulas, and of what the kernels are written from.
+    let row: Vec<Vec<f64>> = [-0.5, 0.1, 0.7].map(|a| vec![a, 0.0, 0.2, 1.0]).to_vec();
+    let kernel = &element.kernels[0];
+    for kernel in [kernel, &lower(kernel)] {
+        for nodes in [&row[..], &[]] {
+            let all = element_results(kernel, &[&[0.0, 0.0, 0.3]], &slices(nodes));
+            let ratio = &all.iter().find(|(name, _)| name == "pivot_ratio").unwrap().1;
+            assert_eq!(ratio[..], [0.0]);
+        }
+    }
     // The sums of the system have no rows: three unknowns, three products.
     let [_, per_pair] = emit_element_kernel(&element.kernels[2]).per_node;
     assert_eq!(per_pair.fused, 3 * 2 * 9);

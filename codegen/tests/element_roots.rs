@@ -282,3 +282,62 @@ fn derivatives_of_a_root_solve_few_equations() {
     println!("{solves} systems");
     assert!(solves <= 8, "{solves}: {text}");
 }
+
+/// What contains unknowns that are sought under a name would not change with them.
+#[test]
+fn a_definition_of_what_is_sought_is_refused() {
+    type Formulas = fn(&ElementModel<'_>);
+    let all: [(&str, Formulas); 6] = [
+        ("way", |m| {
+            let x: Vec2<'_> = m.variable("x");
+            m.energy(m.minimum("u", |u: Vec2<'_>| m.define("way", (u - x).dot(u - x))).unknowns[0]);
+        }),
+        ("way", |m| {
+            let x: Vec2<'_> = m.variable("x");
+            m.energy(m.stationary("u", |u: Vec2<'_>| m.define("way", (u - x).dot(u - x))).unknowns[0]);
+        }),
+        ("way", |m| {
+            let x: Vec2<'_> = m.variable("x");
+            let limits = Limits::default();
+            let root = m.stationary_from("u", x, limits, |u: Vec2<'_>| m.define("way", u.dot(u)));
+            m.energy(root.unknowns[0]);
+        }),
+        ("way_1", |m| {
+            let x: Vec2<'_> = m.variable("x");
+            m.energy(m.root("u", |u: Vec2<'_>| m.define("way", u - x)).unknowns[0]);
+        }),
+        ("way", |m| {
+            let x: Vec2<'_> = m.variable("x");
+            m.energy(m.minimum("u", |u: Vec2<'_>| m.held("way", u[0]) * u.dot(x)).unknowns[0]);
+        }),
+        ("inner_2", |m| {
+            let x: Vec2<'_> = m.variable("x");
+            let least = m.minimum("u", |u: Vec2<'_>| {
+                m.root("inner", |v: Vec2<'_>| v + v.dot(v) * u - x).unknowns.dot(u)
+            });
+            m.energy(least.unknowns[0]);
+        }),
+    ];
+    for (name, formulas) in all {
+        let error = ElementKernels::new("test", formulas).unwrap_err();
+        let ElementError::Sought { quantity, unknown } = &error else { panic!("{name}: {error}") };
+        assert!(quantity == name && unknown.contains("unknown_"), "{name}: {error}");
+    }
+}
+
+/// Kernel and interpreter count other things in an iteration: tests ask for convergence, and compare everything else.
+#[test]
+fn a_test_does_not_compare_how_an_iteration_went() {
+    let config = Config::new().element("test", |m| {
+        let x: Vec2<'_> = m.variable("x");
+        let root = m.root("u", |u: Vec2<'_>| u + 0.1 * u.dot(u) * u - x);
+        m.energy(root.unknowns.dot(root.unknowns));
+        m.value("steps", root.iterations);
+        m.value("figures", Vector([root.residual, x[0]]));
+    });
+    let text = config.unwrap().test("test", &[&[0.3, 0.4]], &[]).source().unwrap();
+    let tests: String = text[text.find("mod test_tests").unwrap()..].split_whitespace().collect();
+    assert!(!tests.contains(r#"agree("steps""#), "{tests}");
+    assert!(tests.contains("assert!(found.values.figures[0]<") && tests.contains("showsnoroot"), "{tests}");
+    assert!(tests.contains(r#"agree("figures",&[found.values.figures[1]][..],&[0.3"#), "{tests}");
+}

@@ -7,6 +7,7 @@ use quote::{format_ident, quote};
 use super::element::without_suffixes;
 use super::fixed::nested;
 use super::module::places;
+use crate::graph::{Op, RootFigure};
 use crate::interpret::{differentiated_products, element_derivatives, element_products, element_results};
 use crate::model::{ElementError, ElementKernels, ElementSpec, Input, Kernel, Signature};
 
@@ -17,7 +18,7 @@ const TOLERANCE: f64 = 1e-12;
 /// which shares nothing with the emitter, and the derivatives that the interpreter finds without those of the graph.
 ///
 /// # Errors
-/// [`ElementError::TestInputs`], [`ElementError::TestResult`], [`ElementError::TestDerivative`].
+/// [`ElementError::TestInputs`], [`ElementError::TestNumber`], [`ElementError::TestResult`], [`ElementError::TestDerivative`].
 pub fn emit_element_test(
     element: &ElementKernels,
     support: &syn::Path,
@@ -27,12 +28,12 @@ pub fn emit_element_test(
     let (signature, Some(kernel)) = (&element.signature, element.kernels.last()) else {
         return Err(ElementError::NoOutput);
     };
-    check_lengths(signature, inputs, nodes)?;
+    check_numbers(signature, inputs, nodes)?;
     let interpreted = element_results(kernel, &slices(inputs), &slices(nodes));
-    let interpreted = comparisons(signature, &interpreted, |result| ElementError::TestResult { result })?;
+    let interpreted = comparisons(kernel, &interpreted, |result| ElementError::TestResult { result })?;
     let differentiated = element_derivatives(element, &slices(inputs), &slices(nodes));
     let differentiated =
-        comparisons(signature, &differentiated, |result| ElementError::TestDerivative { result })?;
+        comparisons(kernel, &differentiated, |result| ElementError::TestDerivative { result })?;
     let differentiated = (!differentiated.is_empty()).then(|| {
         quote! {
             #[test]
@@ -107,10 +108,10 @@ fn products(
     let direction = direction(signature.variables() + signature.node_variables() * nodes.len());
     let (inputs, of_nodes) = (slices(inputs), slices(nodes));
     let interpreted = element_products(kernel, &inputs, &of_nodes, &direction);
-    let interpreted = comparisons(signature, &interpreted, |result| ElementError::TestResult { result })?;
+    let interpreted = comparisons(kernel, &interpreted, |result| ElementError::TestResult { result })?;
     let differentiated = differentiated_products(element, &inputs, &of_nodes, &direction);
     let differentiated =
-        comparisons(signature, &differentiated, |result| ElementError::TestDerivative { result })?;
+        comparisons(kernel, &differentiated, |result| ElementError::TestDerivative { result })?;
     let (none, vectors) = if signature.nodes.is_empty() {
         (quote!(Products::ZERO), quote!(&[DIRECTION; 3]))
     } else {
@@ -150,44 +151,74 @@ fn direction(count: usize) -> Vec<f64> {
     (1..=count).map(|k| ((0.618_034 * k as f64).fract() * 1e3).round() / 1e3 - 0.5).collect()
 }
 
-fn check_lengths(signature: &Signature, inputs: &[Vec<f64>], nodes: &[Vec<f64>]) -> Result<(), ElementError> {
+fn check_numbers(signature: &Signature, inputs: &[Vec<f64>], nodes: &[Vec<f64>]) -> Result<(), ElementError> {
     let wrong = |input: &str, expected: usize, found: usize| {
         let input = input.to_owned();
         if expected == found { Ok(()) } else { Err(ElementError::TestInputs { input, expected, found }) }
     };
+    let check = |input: &str, expected: usize, numbers: &[f64]| {
+        wrong(input, expected, numbers.len())?;
+        let is_finite = numbers.iter().all(|x| x.is_finite());
+        if is_finite { Ok(()) } else { Err(ElementError::TestNumber { input: input.to_owned() }) }
+    };
     wrong("inputs", signature.inputs.len(), inputs.len())?;
     for (input, numbers) in signature.inputs.iter().zip(inputs) {
-        wrong(&input.name, input.symbols.len(), numbers.len())?;
+        check(&input.name, input.symbols.len(), numbers)?;
     }
     let per_node: usize = signature.nodes.iter().map(|input| input.symbols.len()).sum();
-    nodes.iter().try_for_each(|node| wrong("node", per_node, node.len()))
+    nodes.iter().try_for_each(|node| check("node", per_node, node))
 }
 
-/// A statement for each result that compares it with the numbers of `expected`; all values have one tolerance.
+/// Statements for each result that compare it with the numbers of `expected`; all values have one tolerance.
+///
+/// How an iteration went is not compared: interpreter and kernel count other things. It has to have converged.
 fn comparisons(
-    signature: &Signature,
+    kernel: &Kernel<ElementSpec>,
     expected: &[(String, Vec<f64>)],
     not_finite: impl Fn(String) -> ElementError,
 ) -> Result<Vec<TokenStream>, ElementError> {
+    let signature = &kernel.spec.signature;
     let largest = |x: &[f64]| x.iter().fold(0.0, |largest: f64, x| largest.max(x.abs()));
     let returned = |name: &str| signature.values.iter().find(|returned| returned.name == name);
+    let figure = |name: &str, place: usize| {
+        let value = kernel.values.iter().find(|value| value.name == name)?;
+        match kernel.graph.op(value.components[place]) {
+            Op::RootFigure(_, figure) => Some(figure),
+            _ => None,
+        }
+    };
     let values = expected.iter().filter(|(name, _)| returned(name).is_some());
-    let of_values = values.map(|(_, x)| largest(x)).fold(0.0, f64::max);
+    let entries = values.flat_map(|(name, x)| x.iter().enumerate().map(move |(k, x)| (name, k, x)));
+    let compared = entries.filter(|(name, k, _)| figure(name, *k).is_none());
+    let of_values = compared.map(|(.., x)| x.abs()).fold(0.0, f64::max);
+    let most = TOLERANCE * signature.points.rows.len().max(1) as f64;
     let comparison = |(name, expected): &(String, Vec<f64>)| {
         if !expected.iter().all(|x| x.is_finite()) {
             return Err(not_finite(name.clone()));
         }
         let field = format_ident!("{name}");
-        let (found, size) = match returned(name) {
-            Some(returned) => {
-                let places = places(&returned.dimensions);
-                let found = places.iter().map(|place| quote!(found.values.#field #place));
-                (quote!([#(#found),*]), of_values)
-            }
-            None => (quote!(found.#field), largest(expected)),
+        let Some(returned) = returned(name) else {
+            let tolerance = TOLERANCE * largest(expected);
+            return Ok(quote!(agree(#name, &found.#field[..], &[#(#expected),*], #tolerance);));
         };
-        let tolerance = TOLERANCE * size;
-        Ok(quote!(agree(#name, &#found[..], &[#(#expected),*], #tolerance);))
+        let (mut compared, mut numbers, mut converged) = (Vec::new(), Vec::new(), Vec::new());
+        for (k, place) in places(&returned.dimensions).into_iter().enumerate() {
+            let found = quote!(found.values.#field #place);
+            match figure(name, k) {
+                Some(RootFigure::Residual) => {
+                    converged.push(quote!(assert!(#found < #most, "{} shows no root", #name);));
+                }
+                Some(RootFigure::Iterations) => {}
+                None => {
+                    compared.push(found);
+                    numbers.push(expected[k]);
+                }
+            }
+        }
+        let tolerance = TOLERANCE * of_values;
+        let compared = (!compared.is_empty())
+            .then(|| quote!(agree(#name, &[#(#compared),*][..], &[#(#numbers),*], #tolerance);));
+        Ok(quote!(#compared #(#converged)*))
     };
     expected.iter().map(comparison).collect()
 }

@@ -266,6 +266,9 @@ impl<'a> Writer<'a> {
         } else {
             let magnitude = if value.is_infinite() {
                 quote!(f64::INFINITY)
+            } else if value == f64::MIN_POSITIVE {
+                // Written out it has hundreds of digits.
+                quote!(f64::MIN_POSITIVE)
             } else {
                 Literal::f64_unsuffixed(value.abs()).into_token_stream()
             };

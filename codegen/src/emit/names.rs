@@ -6,6 +6,7 @@ use proc_macro2::Ident;
 use quote::format_ident;
 
 use crate::graph::{ExprId, Function, Graph, Op};
+use crate::model::is_identifier;
 use crate::table::Table;
 
 /// Longest name put together from operands.
@@ -29,7 +30,9 @@ impl Names {
         if let Some(known) = self.given.get(&expr) {
             return known.clone();
         }
-        let wanted = graph.name_of(expr).map_or_else(|| self.descriptive(graph, expr), str::to_owned);
+        // Formulas may give any name.
+        let own = graph.name_of(expr).filter(|name| is_identifier(name));
+        let wanted = own.map_or_else(|| self.descriptive(graph, expr), str::to_owned);
         let mut name = wanted.clone();
         let mut suffix = 2;
         while !self.taken.insert(name.clone()) {

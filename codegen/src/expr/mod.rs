@@ -83,7 +83,7 @@ impl<'g> Expr<'g> {
         self.sheet.make(|g| make(g, self.id, other))
     }
 
-    /// Gives it a name in emitted code, see [`Graph::name`].
+    /// Gives it a name in emitted code, see [`Graph::name`]. One that is no identifier of Rust is not taken there.
     #[must_use]
     pub fn named(self, name: &str) -> Self {
         self.map(|g, x| g.name(x, name))
@@ -179,14 +179,15 @@ impl<'g> Expr<'g> {
         self.value() == Some(0.0)
     }
 
-    /// Its derivative by a symbol, see [`Graph::derivative`].
+    /// Its derivative by a symbol, see [`Graph::derivative`]; in the formulas of an element also through what
+    /// [`define`](crate::ElementModel::define) has named.
     ///
     /// # Panics
     /// If `symbol` is no symbol.
     #[must_use]
     pub fn by(self, symbol: Self) -> Self {
         let symbol = symbol.symbol();
-        self.map(|g, x| g.derivative(x, symbol))
+        self.map(|g, x| g.derivative_of_formula(x, symbol))
     }
 
     /// Its value where symbols have other values, see [`Graph::substitute`].

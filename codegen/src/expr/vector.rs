@@ -71,7 +71,8 @@ impl<'g, const N: usize> Vector<'g, N> {
         rest.iter().fold(*first, |norm, &x| norm.hypot(x))
     }
 
-    /// x/√(x · x), and 0 for x = 0.
+    /// x/√(x · x), and 0 for x = 0. Its derivatives are NaN there: those of `x * x.norm().reciprocal_or_zero()` are 0, for a few
+    /// operations more.
     #[must_use]
     pub fn unit(self) -> Self {
         self * self.dot(self).sqrt().reciprocal_or_zero()
@@ -296,6 +297,7 @@ impl<const R: usize, const C: usize> DerefMut for Matrix<'_, R, C> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::graph::Scope;
     use crate::interpret::{Interpreter, NodeInputs};
 
     fn value(expr: Expr<'_>) -> f64 {
@@ -316,6 +318,10 @@ mod tests {
         assert_eq!((2.0 * (x - y) / 4.0).0.map(value), [-1.0, 1.5, 0.75]);
         assert!((value(x.unit().norm()) - 1.0).abs() < 1e-15);
         assert_eq!((x - x).unit().0.map(value), [0.0; 3]);
+        let at = sheet.input("x", Scope::Element);
+        let way = Vector([at, at, at]);
+        let slope = (way * way.norm().reciprocal_or_zero()).by(at).at(&[(at, sheet.zero())]);
+        assert_eq!(slope.0.map(value), [0.0; 3]);
     }
 
     #[test]

@@ -4,6 +4,8 @@
 //! definite system and the root of a small system. The last two use the implicit function theorem, so that
 //! nothing is differentiated through a factorisation or an iteration.
 
+use std::collections::BTreeMap;
+
 use super::{ExprId, Function, Graph, Op, PolynomialId, RootId, Scope, SolveId, SymbolId};
 use crate::expr::MOST_BY_CRAMER;
 
@@ -28,6 +30,48 @@ impl Graph {
         }
         self.derivatives.insert((expr, symbol), result);
         result
+    }
+
+    /// ∂`expr`/∂`symbol` as formulas have it: by the chain rule through the quantities that they define.
+    pub(crate) fn derivative_of_formula(&mut self, expr: ExprId, symbol: SymbolId) -> ExprId {
+        let by = self.intern(Op::Symbol(symbol));
+        let mut total = self.zero();
+        // Quantities come after what they are made of: the last one first.
+        let one = self.one();
+        let mut open = BTreeMap::from([(expr, (expr, one))]);
+        while let Some((_, (x, outer))) = open.pop_last() {
+            let inner = self.derivative(x, symbol);
+            let product = if x == expr { inner } else { self.mul(outer, inner) };
+            total = self.add(total, product);
+            for (quantity, definition) in self.quantities_with(x, by) {
+                let symbol = self.symbol_of(quantity);
+                let inner = self.derivative(x, symbol);
+                let product = self.mul(outer, inner);
+                let zero = self.zero();
+                let (_, sum) = open.get(&quantity).copied().unwrap_or((definition, zero));
+                open.insert(quantity, (definition, self.add(sum, product)));
+            }
+        }
+        total
+    }
+
+    /// The quantities in an expression that change with a symbol, and their definitions, which are not entered.
+    fn quantities_with(&self, expr: ExprId, symbol: ExprId) -> Vec<(ExprId, ExprId)> {
+        if self.quantities.is_empty() {
+            return Vec::new();
+        }
+        let within = self.reachable(expr, |g, x| match g.op(x) {
+            Op::Symbol(_) => Vec::new(),
+            _ => g.varying_dependencies(x),
+        });
+        let quantities = within.into_iter().filter_map(|x| match self.op(x) {
+            Op::Symbol(quantity) if x != symbol && self.quantities.contains(&quantity) => {
+                Some((x, self.symbol_data(quantity).definition?))
+            }
+            _ => None,
+        });
+        let changes = |definition| self.reachable(definition, Self::varying_dependencies).contains(&symbol);
+        quantities.filter(|&(_, definition)| changes(definition)).collect()
     }
 
     /// Makes `derivative` the derivative of a symbol by another one, which is a direction that all symbols move in.
@@ -129,8 +173,8 @@ impl Graph {
             Op::Polynomial(base, polynomial) => self.differentiate_polynomial(base, polynomial, symbol),
             // the condition is locally constant
             Op::Select { x, y, then, otherwise } => match self.chain(expr, symbol) {
-                Some((outer, inner)) => self.mul(outer, inner),
-                None => {
+                Some((outer, inner)) if self.is_finite_factor(inner, symbol) => self.mul(outer, inner),
+                _ => {
                     let (then, otherwise) =
                         (self.derivative(then, symbol), self.derivative(otherwise, symbol));
                     self.select_less(x, y, then, otherwise)
@@ -265,6 +309,15 @@ impl Graph {
             }
             _ => None,
         }
+    }
+
+    /// Whether a derivative by a symbol may be multiplied by zero where a choice leaves it out. Inputs that others are divided by, such as
+    /// a radius, are taken for other than zero.
+    fn is_finite_factor(&self, derivative: ExprId, by: SymbolId) -> bool {
+        self.is_finite_over(derivative, |divisor| match self.op(divisor) {
+            Op::Symbol(symbol) => symbol != by && self.symbol_data(symbol).definition.is_none(),
+            _ => false,
+        })
     }
 
     /// A x = b -> A x' = b' - A' x: one more right-hand side for the same factorisation.

@@ -20,7 +20,7 @@ mod structured;
 mod substitute;
 mod symbols;
 
-use rustc_hash::FxHashMap;
+use rustc_hash::{FxHashMap, FxHashSet};
 
 use crate::table::Table;
 
@@ -240,6 +240,8 @@ pub(crate) const NODE_INDEX: &str = "node_index";
 pub struct Graph {
     ops: Vec<Op>,
     scopes: Vec<Scope>,
+    /// How many factors each expression has, see [`length_of_op`](Self::length_of_op).
+    lengths: Vec<u8>,
     interned: Table<Op, ExprId>,
     /// Products by their sorted factors, so that (w a) b and w (a b) are one expression.
     products: Table<Vec<ExprId>, ExprId>,
@@ -247,6 +249,8 @@ pub struct Graph {
     names: Vec<Option<String>>,
     symbols: Vec<Symbol>,
     symbol_names: FxHashMap<String, SymbolId>,
+    /// Bound symbols that formulas are differentiated through while they are written.
+    quantities: FxHashSet<SymbolId>,
     derivatives: Table<(ExprId, SymbolId), ExprId>,
     polynomials: Vec<Polynomial>,
     systems: Vec<SymmetricSystem>,
@@ -427,6 +431,7 @@ impl Graph {
         }
         let id = ExprId(u32::try_from(self.ops.len()).expect("fewer than 2³² expressions"));
         self.scopes.push(self.scope_of_op(op));
+        self.lengths.push(self.length_of_op(op));
         self.ops.push(op);
         self.names.push(None);
         self.interned.insert(op, id);

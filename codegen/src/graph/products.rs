@@ -2,8 +2,8 @@
 
 use super::{ExprId, Graph, Op, Scope};
 
-/// Products among so many factors are not taken apart: x to a power of two that was multiplied out has more than memory holds.
-const MOST_COLLECTED: usize = 64;
+/// Products of more factors are not taken apart: x to a power of two that was multiplied out has more than memory holds.
+const MOST_COLLECTED: u8 = 64;
 
 impl Graph {
     /// c · core, where core has no numerical coefficient.
@@ -31,10 +31,22 @@ impl Graph {
         }
     }
 
-    /// Whether a product is a quantity of its own, computed once per element, that products with it do not take
-    /// apart.
+    /// Whether a product is not taken apart by products with it: a quantity of its own, computed once per element, or too many factors.
     fn is_whole(&self, x: ExprId) -> bool {
-        matches!(self.op(x), Op::Mul(..)) && self.scope(x) == Scope::Element && self.name_of(x).is_some()
+        let is_quantity = self.scope(x) == Scope::Element && self.name_of(x).is_some();
+        matches!(self.op(x), Op::Mul(..)) && (is_quantity || self.lengths[x.index()] == 1)
+    }
+
+    /// How many factors an operation has; 1 for a product of too many, which is one factor of others.
+    pub(super) fn length_of_op(&self, op: Op) -> u8 {
+        match op {
+            Op::Neg(inner) => self.lengths[inner.index()],
+            Op::Mul(left, right) => match self.lengths[left.index()] + self.lengths[right.index()] {
+                length if length > MOST_COLLECTED => 1,
+                length => length,
+            },
+            _ => 1,
+        }
     }
 
     /// Splits x into a number and its sorted other factors.
@@ -50,7 +62,7 @@ impl Graph {
         match self.op(x) {
             Op::Constant(bits) => return f64::from_bits(bits),
             Op::Neg(inner) => return -self.collect_factors(inner, factors),
-            Op::Mul(left, right) if !self.is_whole(x) && factors.len() < MOST_COLLECTED => {
+            Op::Mul(left, right) if !self.is_whole(x) => {
                 return self.collect_factors(left, factors) * self.collect_factors(right, factors);
             }
             _ => factors.push(x),
@@ -154,5 +166,22 @@ mod tests {
         let quotient = g.div(double, z);
         let single = g.div(plain, z);
         assert_eq!(quotient, g.mul(two, single));
+    }
+
+    #[test]
+    fn a_product_of_many_factors_keeps_its_number() {
+        let (mut g, x, _, z) = graph();
+        let [two, three] = [2.0, 3.0].map(|number| g.constant(number));
+        let long = (0..7).fold(x, |product, _| g.mul(product, product));
+        let two_z = g.mul(two, z);
+        let plain = g.mul(long, z);
+        let double = g.mul(long, two_z);
+        assert_eq!(double, g.mul(two, plain));
+        let quotient = g.div(double, x);
+        let single = g.div(plain, x);
+        assert_eq!(quotient, g.mul(two, single));
+        let triple = g.mul(three, long);
+        let sum = g.add(triple, long);
+        assert_eq!(g.coefficient_and_factors(sum), (4.0, vec![long]));
     }
 }

@@ -113,6 +113,14 @@ impl Graph {
             // 0 x → 0: zeros here are structural (a derivative that does not exist), not rounded values.
             return self.zero();
         }
+        if let Some(place) = self.first_square_of_norm(&factors) {
+            // h h → h² for a norm h, which has derivatives at the origin
+            let square = self.power(factors[place], 2);
+            let number = self.constant(coefficient);
+            let others = factors[..place].iter().chain(&factors[place + 2..]);
+            let others = others.fold(number, |product, &factor| self.mul(product, factor));
+            return self.mul(others, square);
+        }
         let core = if factors.is_empty() {
             return self.constant(coefficient);
         } else if let Some(&known) = self.products.get(&factors) {
@@ -130,6 +138,12 @@ impl Graph {
             product
         };
         self.scaled(coefficient, core)
+    }
+
+    /// Where a norm stands twice among sorted factors.
+    fn first_square_of_norm(&self, factors: &[ExprId]) -> Option<usize> {
+        let is_square = |pair: &[ExprId]| pair[0] == pair[1] && matches!(self.op(pair[0]), Op::Hypot(..));
+        factors.windows(2).position(is_square)
     }
 
     /// x / y
@@ -240,9 +254,9 @@ impl Graph {
         match (exponent, self.op(x)) {
             (0, _) => self.one(),
             (1, _) => x,
-            // (√(a² + b²))² → a² + b²
+            // (√(a² + b²))² → a² + b², where a may be a norm itself
             (2, Op::Hypot(a, b)) => {
-                let (aa, bb) = (self.mul(a, a), self.mul(b, b));
+                let (aa, bb) = (self.power(a, 2), self.power(b, 2));
                 self.add(aa, bb)
             }
             (2, _) => self.mul(x, x),

@@ -26,6 +26,11 @@ impl Graph {
 
     /// Whether a definition is finite wherever the inputs are, but for overflow: one without divisions, roots and logarithms.
     fn is_finite(&self, definition: ExprId) -> bool {
+        self.is_finite_over(definition, |_| false)
+    }
+
+    /// The same, where some expressions may be divided by.
+    pub(super) fn is_finite_over(&self, definition: ExprId, is_divisor: impl Fn(ExprId) -> bool) -> bool {
         let (mut seen, mut open) = (FxHashSet::default(), vec![definition]);
         while let Some(x) = open.pop() {
             if !seen.insert(x) {
@@ -35,6 +40,7 @@ impl Graph {
                 Op::Constant(bits) => f64::from_bits(bits).is_finite(),
                 Op::Symbol(symbol) => self.symbol_data(symbol).is_finite,
                 Op::Power(_, exponent) => exponent > 0,
+                Op::Div(_, divisor) => is_divisor(divisor),
                 Op::Function(function, _) => function != Function::Ln,
                 Op::Add(..) | Op::Neg(_) | Op::Mul(..) | Op::Polynomial(..) | Op::Hypot(..) => true,
                 Op::Select { .. } | Op::Sum(_) | Op::DivOrZero(..) => true,
@@ -64,10 +70,14 @@ impl Graph {
         self.intern(Op::Symbol(symbol))
     }
 
-    /// A new symbol bound to `definition` that is held: nothing that it depends on changes it while derivatives are taken.
+    /// A new symbol bound to `definition` that is held: nothing that it depends on changes it while derivatives are taken. Its name is made
+    /// unique.
     pub fn bind_held(&mut self, name: &str, definition: ExprId) -> ExprId {
-        let symbol = self.add_symbol(name, self.scope(definition), Some(definition));
-        self.symbols[symbol.index()].is_held = true;
+        let unique = self.unique_name(name);
+        let symbol = self.add_symbol(&unique, self.scope(definition), Some(definition));
+        let is_finite = self.is_finite(definition);
+        let data = &mut self.symbols[symbol.index()];
+        (data.is_held, data.is_finite) = (true, is_finite);
         self.intern(Op::Symbol(symbol))
     }
 
@@ -79,6 +89,44 @@ impl Graph {
         let place = self.symbol_of(symbol).index();
         self.symbols[place].is_finite = is_finite;
         symbol
+    }
+
+    /// Lets [`derivative_of_formula`](Self::derivative_of_formula) go through a bound symbol.
+    pub(crate) fn add_quantity(&mut self, symbol: ExprId) {
+        let symbol = self.symbol_of(symbol);
+        self.quantities.insert(symbol);
+    }
+
+    /// Makes quantities variables of their own, for the rules that go through definitions one by one.
+    pub(crate) fn end_quantities(&mut self) {
+        self.quantities.clear();
+    }
+
+    /// The first bound symbol in an expression whose definition contains one of these symbols.
+    pub(crate) fn definition_with(&self, expr: ExprId, symbols: &[ExprId]) -> Option<(ExprId, ExprId)> {
+        let bound = self.reachable(expr, |g, x| match g.op(x) {
+            Op::Symbol(_) => Vec::new(),
+            _ => g.dependencies(x),
+        });
+        let bound = bound.into_iter().filter(|&x| matches!(self.op(x), Op::Symbol(_)));
+        let mut found = bound.flat_map(|x| {
+            let definition = self.dependencies(x).into_iter();
+            let below = definition.flat_map(|y| self.reachable(y, Self::dependencies));
+            below.filter(|y| symbols.contains(y)).map(move |y| (x, y)).collect::<Vec<_>>()
+        });
+        found.next()
+    }
+
+    /// An expression and what it is made of, each once.
+    pub(super) fn reachable(&self, expr: ExprId, next: impl Fn(&Self, ExprId) -> Vec<ExprId>) -> Vec<ExprId> {
+        let (mut seen, mut all, mut open) = (FxHashSet::default(), Vec::new(), vec![expr]);
+        while let Some(x) = open.pop() {
+            if seen.insert(x) {
+                all.push(x);
+                open.extend(next(self, x));
+            }
+        }
+        all
     }
 
     /// A new free variable of element scope, to be substituted before anything is evaluated. Its name is made

@@ -5,9 +5,9 @@ use std::cell::{Cell, RefCell};
 pub use super::element_error::ElementError;
 pub use super::element_outputs::{Defined, ElementKernels, ElementSpec, NodeResult};
 use super::element_outputs::{Finished, Outputs};
-use super::signature::{Differentiated, Input, Points, Quantity, Returned, Role, Signature};
+use super::signature::{Differentiated, Input, Points, Quantity, Returned, Role, Signature, is_identifier};
 use crate::expr::{Expr, Sheet};
-use crate::graph::{ExprId, NODE_COUNT, NODE_INDEX, Op, Scope};
+use crate::graph::{ExprId, Graph, NODE_COUNT, NODE_INDEX, Op, Scope};
 use crate::structure::{Implicit, has_within, sums_in};
 
 /// Name of the value that [`ElementModel::energy`] states.
@@ -110,7 +110,8 @@ impl<'g> ElementModel<'g> {
         if points.symbols.is_empty() {
             points.rows = vec![Vec::new(); rows.len()];
         }
-        let is_whole = rows.iter().all(|row| row.as_ref().len() == symbols.len());
+        let is_row = |row: &[f64]| row.len() == symbols.len() && row.iter().all(|x| x.is_finite());
+        let is_whole = rows.iter().all(|row| is_row(row.as_ref()));
         if rows.is_empty() || points.rows.len() != rows.len() || !is_whole {
             self.fail(ElementError::Points { name: name.to_owned() });
         }
@@ -139,6 +140,8 @@ impl<'g> ElementModel<'g> {
 
     /// An intermediate quantity, such as a deformation gradient: its name appears in the code, and derivatives go through it by the
     /// chain rule. Values are the same without; operations may be fewer with it. A quantity of a node gets its name only.
+    ///
+    /// A norm that is squared later is better not named: where it is zero the chain rule has no second derivative of it, and takes 0.
     #[must_use]
     pub fn define<Q: Quantity<'g>>(&self, name: &str, quantity: Q) -> Q {
         self.check_name(name);
@@ -153,6 +156,7 @@ impl<'g> ElementModel<'g> {
             }
             self.check_symbol(entry);
             let symbol = self.sheet.make(|g| g.bind_unique(entry, x.id()));
+            self.sheet.edit(|g| g.add_quantity(symbol.id()));
             if matches!(x.operation(), Op::Sum(_)) {
                 self.sums.borrow_mut().push((x.id(), symbol.id()));
             }
@@ -205,6 +209,7 @@ impl<'g> ElementModel<'g> {
         }
         let name = self.sheet.graph().name_of(sum.id()).map_or_else(|| "total".to_owned(), str::to_owned);
         let symbol = self.sheet.make(|g| g.bind_unique(&name, sum.id())).id();
+        self.sheet.edit(|g| g.add_quantity(symbol));
         self.sums.borrow_mut().push((sum.id(), symbol));
         symbol
     }
@@ -294,10 +299,7 @@ impl<'g> ElementModel<'g> {
     }
 
     pub(super) fn check_name(&self, name: &str) {
-        // `gen` is a keyword from the edition of 2024 on.
-        let is_plain =
-            syn::parse_str::<proc_macro2::Ident>(name).is_ok() && !name.starts_with("r#") && name != "gen";
-        if !is_plain {
+        if !is_identifier(name) {
             self.fail(ElementError::Name { name: name.to_owned() });
         }
     }
@@ -316,6 +318,7 @@ impl<'g> ElementModel<'g> {
     pub(super) fn finish(self, name: &str) -> Result<Finished, ElementError> {
         let (inputs, nodes, outputs) =
             (self.inputs.into_inner(), self.nodes.into_inner(), self.outputs.into_inner());
+        self.sheet.edit(Graph::end_quantities);
         if let Some(error) = self.error.into_inner() {
             return Err(error);
         }

@@ -76,7 +76,7 @@ pub enum ElementError {
     },
     /// A table of numbers at points that does not fit.
     #[error(
-        "the rows of `{name}` have not one number for each of its entries, or not as many rows as the points before"
+        "the rows of `{name}` have not one finite number for each of its entries, or not as many rows as the points before"
     )]
     Points {
         /// The table.
@@ -95,6 +95,16 @@ pub enum ElementError {
     NotQuadratic {
         /// The unknowns.
         unknowns: String,
+    },
+    /// A quantity that is defined by the unknowns that are sought, or held: it would not change with them.
+    #[error(
+        "`{quantity}` has a name and contains `{unknown}`, which is sought; write it in the equations without `define`, `held` or equations of its own"
+    )]
+    Sought {
+        /// The quantity, or its entry.
+        quantity: String,
+        /// The unknown.
+        unknown: String,
     },
     /// Equations whose unknowns stand in sums over the nodes.
     #[error("the unknowns of `{root}` stand in sums over the nodes, where only `stationary` finds them")]
@@ -131,6 +141,12 @@ pub enum ElementError {
         expected: usize,
         /// As many as were given.
         found: usize,
+    },
+    /// An infinite number, or none, among those for the test of an element.
+    #[error("`{input}` of the test is not finite")]
+    TestNumber {
+        /// The input; `node` for the numbers of a node.
+        input: String,
     },
     /// A result that is infinite or no number, with the inputs of the test.
     #[error("`{result}` is not finite with the inputs of the test")]

@@ -4,7 +4,7 @@ use super::element::ElementModel;
 use super::element_error::ElementError;
 use super::signature::Quantity;
 use crate::expr::{Expr, Matrix, Vector, total};
-use crate::graph::{Iteration, Limits, RootFigure, Scope, SymmetricSystem};
+use crate::graph::{ExprId, Iteration, Limits, RootFigure, Scope, SymmetricSystem};
 use crate::structure::{Implicit, Jacobian, sums_in};
 
 /// Where equations are solved, see [`ElementModel::root`], [`ElementModel::root_from`], [`ElementModel::minimum`],
@@ -14,7 +14,7 @@ pub struct Root<'g, const N: usize> {
     /// The unknowns.
     pub unknowns: Vector<'g, N>,
     /// Largest residual relative to the starting one or to the unknowns, whichever is larger; below 10⁻¹², or there is no root near
-    /// the start.
+    /// the start. It is infinite, and no NaN, where the Jacobian is singular or an equation is no number.
     pub residual: Expr<'g>,
     /// Evaluations of the equations.
     pub iterations: Expr<'g>,
@@ -67,6 +67,7 @@ impl<'g> ElementModel<'g> {
         let values = self.held(&format!("{name}_value"), values);
         let unknowns = self.unknowns(name);
         let equations = equations(unknowns);
+        self.check_sought(&equations.0, &unknowns.0);
         self.check_equations(name, equations);
         let (_, at) = self
             .sheet
@@ -117,6 +118,7 @@ impl<'g> ElementModel<'g> {
     ) -> Root<'g, N> {
         let way = self.root_by(Iteration::Within(limits), &format!("{name}_way"), |way| {
             let function = function(Vector::from_fn(|k| start[k] + way[k]));
+            self.check_sought(&[function], &way.0);
             let function = self.with_bound_sums(function, &way.0);
             way.map(|u| function.by(u))
         });
@@ -147,7 +149,9 @@ impl<'g> ElementModel<'g> {
         function: impl FnOnce(Vector<'g, N>) -> Expr<'g>,
     ) -> Root<'g, N> {
         self.root_by(Iteration::Descent, name, |unknowns| {
-            let function = self.with_bound_sums(function(unknowns), &unknowns.0);
+            let function = function(unknowns);
+            self.check_sought(&[function], &unknowns.0);
+            let function = self.with_bound_sums(function, &unknowns.0);
             unknowns.map(|u| -function.by(u))
         })
     }
@@ -165,7 +169,9 @@ impl<'g> ElementModel<'g> {
             return Root { unknowns: Vector::zero(self.sheet), residual: zero, iterations: zero };
         }
         let unknowns = self.unknowns(name);
-        let equations = equations(unknowns).map(|equation| self.with_bound_sums(equation, &unknowns.0));
+        let equations = equations(unknowns);
+        self.check_sought(&equations.0, &unknowns.0);
+        let equations = equations.map(|equation| self.with_bound_sums(equation, &unknowns.0));
         self.check_equations(name, equations);
         let (root, values) = self.sheet.root_by(iteration, name, unknowns, equations);
         let values = self.define(name, values);
@@ -204,6 +210,7 @@ impl<'g> ElementModel<'g> {
         self.check_name(name);
         let unknowns: Vector<'g, N> = self.unknowns(name);
         let function = function(unknowns);
+        self.check_sought(&[function], &unknowns.0);
         let function = if function.scope() == Scope::Node { function.sum() } else { function };
         let function = self.with_bound_sums(function, &unknowns.0);
         // What a sum is multiplied by with it may be free of unknowns now.
@@ -219,7 +226,9 @@ impl<'g> ElementModel<'g> {
         }
         let order = others.into_iter().chain(multipliers.iter().copied()).collect();
         let system = SymmetricSystem::of(&format!("{name}_system"), &lower, order);
-        let system = self.sheet.system(system.with_multipliers(multipliers));
+        // A diagonal entry may be zero: then so is its pivot, and their ratio, not 0/0.
+        let references = (0..N).map(|k| (lower[k][k] + f64::MIN_POSITIVE).id()).collect();
+        let system = self.sheet.system(system.with_references(references).with_multipliers(multipliers));
         let at_zero = equations.at(&unknowns.set_to(Vector::zero(self.sheet)));
         let solution = system.solve(&at_zero.map(|x| -x).0);
         let values = self.define(name, Vector::from_fn(|k| solution[k]));
@@ -240,6 +249,19 @@ impl<'g> ElementModel<'g> {
         }
         if equations.iter().any(|&equation| !sums_in(equation).is_empty()) {
             self.fail(ElementError::RootInSum { root: name.to_owned() });
+        }
+    }
+
+    /// What the unknowns are sought by contains them openly, and in no definition.
+    fn check_sought(&self, sought_by: &[Expr<'g>], unknowns: &[Expr<'g>]) {
+        let unknowns: Vec<ExprId> = unknowns.iter().map(|u| u.id()).collect();
+        let definition = {
+            let graph = self.sheet.graph();
+            sought_by.iter().find_map(|x| graph.definition_with(x.id(), &unknowns))
+        };
+        if let Some((quantity, unknown)) = definition {
+            let [quantity, unknown] = [quantity, unknown].map(|x| self.sheet.expr(x).symbol_name());
+            self.fail(ElementError::Sought { quantity, unknown });
         }
     }
 

@@ -26,6 +26,7 @@ pub use facet::FacetShape;
 pub(crate) use kernel::CHECKSUM;
 pub use kernel::{FrameRule, Kernel, KernelSpec, Mode, Output, Value};
 pub(crate) use material::MATERIAL_INPUTS;
+pub(crate) use signature::is_identifier;
 pub use signature::{Differentiated, DirectionSymbols, Input, Points, Quantity, Returned, Role, Signature};
 pub(crate) use weight::DOMAIN_RATIO;
 pub use weight::{Weight, WeightError, WeightNote};

@@ -21,7 +21,7 @@ pub struct RootSolution<T> {
     pub unknowns: [T; 2],
     /// Largest absolute residual before the last step, divided by the starting residual or the unknowns, whichever
     /// is larger, or 10⁻⁶ of the last step by the same measure, if that is larger. Not below
-    /// [`RootSolution::TOLERANCE`] (or NaN) if the iteration did not converge.
+    /// [`RootSolution::TOLERANCE`] if the iteration did not converge; infinite where it met no number, as from a singular Jacobian.
     pub residual: T,
     /// Evaluations of the equations.
     pub iterations: T,
@@ -122,7 +122,7 @@ impl<T: Lane> Iterate<T> {
     pub fn solution(&self, last: [T; 2]) -> RootSolution<T> {
         RootSolution {
             unknowns: [self.y[0] + last[0], self.y[1] + last[1]],
-            residual: self.relative,
+            residual: infinite_if_none(self.relative),
             iterations: self.iterations,
         }
     }
@@ -229,6 +229,13 @@ pub(super) fn larger<T: Lane>(x: T, y: T) -> T {
     T::select_less(x, y, y, x)
 }
 
+/// x, and infinity where it is NaN: a failure is found by any comparison.
+#[inline(always)]
+pub(super) fn infinite_if_none<T: Lane>(x: T) -> T {
+    let infinity = T::splat(f64::INFINITY);
+    T::select_less(x, infinity, x, infinity)
+}
+
 /// Largest absolute component.
 #[inline(always)]
 pub(super) fn norm<T: Lane>(x: [T; 2]) -> T {
@@ -274,12 +281,12 @@ mod tests {
     fn equations_without_a_root_are_reported() {
         let solution =
             solve_two_equations(|[x, y]: [f64; 2]| ([x * x + 1.0, y], [2.0 * x + 1e-3, 0.0, 0.0, 1.0]));
-        assert!(!(solution.residual < RootSolution::<f64>::TOLERANCE));
+        assert!(solution.residual > RootSolution::<f64>::TOLERANCE);
     }
 
     #[test]
     fn a_singular_jacobian_gives_no_converged_number() {
         let solution = solve_two_equations(|[x, y]: [f64; 2]| ([1.0 + x - x, y], [0.0, 0.0, 0.0, 1.0]));
-        assert!(!(solution.residual < RootSolution::<f64>::TOLERANCE));
+        assert!(solution.residual > RootSolution::<f64>::TOLERANCE);
     }
 }

@@ -17,7 +17,7 @@ typedef struct {
     /* Squares of what is compared, in units of the start, must not underflow. */
     double unit;
     /* Largest residual before the last step, over the starting one or y, whichever is larger, or 1e-6 of the last step by the same
-       measure. Not below 1e-12 if there is no root. */
+       measure. Not below 1e-12 if there is no root, infinite where there was no number. */
     double relative;
     int size, iterations, evaluations, most;
 } diffuse_contact_equations;
@@ -94,6 +94,8 @@ static inline int diffuse_contact_is_over(diffuse_contact_equations *at, double 
     at->relative =
         diffuse_contact_larger(diffuse_contact_norm(size, step) * (1e-12 / 1e-6), diffuse_contact_norm(size, at->residual)) /
         diffuse_contact_larger(diffuse_contact_norm(size, at->start) + 1e-290, diffuse_contact_norm(size, at->y));
+    /* A NaN is found by any comparison then. */
+    if (!(at->relative < INFINITY)) at->relative = INFINITY;
     return at->evaluations >= at->most || at->relative < 1e-12;
 }
 

@@ -6,7 +6,7 @@ use super::super::derivatives::DIRECTION;
 use super::super::expression::Strength;
 use super::super::fixed::Argument;
 use super::super::names::Names;
-use super::{TAKEN, places};
+use super::{TAKEN, WORDS, places};
 use crate::graph::{ExprId, Function, Graph, Iteration, Limits, Op, RootFigure, RootId};
 use crate::model::ElementSpec;
 use crate::schedule::{Layout, Program, Statement};
@@ -42,6 +42,7 @@ pub(super) struct Trace {
 impl<'a> Writer<'a> {
     pub fn new(program: &'a Program<ElementSpec>, derivatives: &[Argument], access: &'a Access<'a>) -> Self {
         let mut names = Names::default();
+        names.reserve(&WORDS);
         names.reserve(&TAKEN);
         names.reserve(&derivatives.iter().map(|(name, _)| name.as_str()).collect::<Vec<_>>());
         if program.kernel.spec.direction.is_some() {

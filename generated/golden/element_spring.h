@@ -15,7 +15,7 @@
 #endif
 
 #ifndef DIFFUSE_CONTACT_ELEMENT_SPRING
-#define DIFFUSE_CONTACT_ELEMENT_SPRING
+#define DIFFUSE_CONTACT_ELEMENT_SPRING 4286513245u
 
 /* A spring between two points, linear in its stretch. */
 typedef struct {
@@ -344,4 +344,6 @@ static inline void spring_product_batch(size_t count, const double *restrict inp
         hessian_product[5 * count + k] = sum_v9;
     }
 }
+#elif DIFFUSE_CONTACT_ELEMENT_SPRING != 4286513245u
+#error "there are two elements spring, or two sets of kernels of it"
 #endif

@@ -226,3 +226,23 @@ fn every_other_output_is_a_header() {
         assert!(header.contains(&format!("static inline void {output}_gradient(size_t count, ")));
     }
 }
+
+/// The guard of an element's header would leave out the second of two that differ.
+#[test]
+fn headers_that_differ_are_not_included_together() {
+    let scratch = Scratch::new("two-headers");
+    let facet = |mode| header(&["--facet", "triangle", "--mode", mode]);
+    for (name, text) in [("value.h", facet("value")), ("hessian.h", facet("hessian"))] {
+        std::fs::write(scratch.path(name), text).unwrap();
+    }
+    for (second, error) in [("value.h", ""), ("hessian.h", "there are two elements")] {
+        let program = format!("#include \"value.h\"\n#include \"{second}\"\n");
+        std::fs::write(scratch.path("main.c"), program).unwrap();
+        let compiler = std::env::var("CC").unwrap_or_else(|_| "cc".to_owned());
+        let arguments = ["-std=c99", "-fsyntax-only"];
+        let compiled = Command::new(compiler).args(arguments).arg(scratch.path("main.c")).output().unwrap();
+        let found = String::from_utf8_lossy(&compiled.stderr);
+        assert_eq!(compiled.status.success(), error.is_empty(), "{found}");
+        assert!(found.contains(error), "{found}");
+    }
+}

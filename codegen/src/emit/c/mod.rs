@@ -78,18 +78,28 @@ pub fn emit_c(elements: &[ElementKernels]) -> String {
         text.push_str(NODE_ROWS);
     }
     for element in elements {
-        let guard = format!("DIFFUSE_CONTACT_ELEMENT_{}", element.signature.name.to_uppercase());
-        let _ = writeln!(text, "\n#ifndef {guard}\n#define {guard}");
-        if element.signature.nodes.is_empty() {
-            text.push_str(&types(element));
+        let own = if element.signature.nodes.is_empty() {
             let kernels = element.kernels.iter().chain(&element.product);
-            kernels.for_each(|kernel| text.push_str(&kernel_text(kernel)));
+            types(element) + &kernels.map(kernel_text).collect::<String>()
         } else {
-            text.push_str(&nodes::element(element));
-        }
-        text.push_str("#endif\n");
+            nodes::element(element)
+        };
+        text.push_str(&guarded(&element.signature.name, &own));
     }
     text
+}
+
+/// An element's text, once in a file that includes it. Another one of the same name, such as that of another weight, is an error there:
+/// it would be left out without a word.
+fn guarded(name: &str, text: &str) -> String {
+    // Fowler, Noll and Vo's hash with 32 bits.
+    let digest =
+        text.bytes().fold(0x811c_9dc5_u32, |hash, byte| (hash ^ u32::from(byte)).wrapping_mul(0x0100_0193));
+    let guard = format!("DIFFUSE_CONTACT_ELEMENT_{}", name.to_uppercase());
+    format!(
+        "\n#ifndef {guard}\n#define {guard} {digest}u\n{text}#elif {guard} != {digest}u\n\
+         #error \"there are two elements {name}, or two sets of kernels of it\"\n#endif\n"
+    )
 }
 
 /// A comment, which its text does not end.

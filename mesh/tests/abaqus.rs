@@ -303,6 +303,37 @@ fn keywords_that_would_change_the_mesh_are_refused() {
     }
 }
 
+/// One that is passed over could change what is meant: a range would be read as three nodes.
+#[test]
+fn parameters_may_be_abbreviated_and_have_to_be_known() {
+    let short =
+        FLAT.replace("NSET=Corners, GENERATE", "NS=Corners, gen").replace("elset=Brick", "els = Brick");
+    assert_eq!(read(&short), read(FLAT));
+    assert_eq!(read(&ASSEMBLED.replace("instance=Part-1-1", "inst=Part-1-1")), read(ASSEMBLED));
+    assert_eq!(read(&FLAT.replace("*NSET, NSET=Corners", "*NSET, UN SORTED, NSET=Corners")), read(FLAT));
+    let cylindrical = message("*HEADING\nx\n*NODE, SYS=C\n1, 1., 0., 0.\n");
+    assert!(cylindrical.contains("line 3: *NODE as used here is not supported"), "{cylindrical}");
+    let nset = "expected parameters of *NSET (ELSET, GENERATE, INSTANCE, INTERNAL, NSET, UNSORTED), found";
+    assert_fault(
+        "*NSET, NSET=Corners, GENERATE",
+        "*NSET, NSET=Corners, GENRATE",
+        &format!("{nset} \"GENRATE\""),
+    );
+    assert_fault("*NSET, NSET=Corners, GENERATE", "*NSET, NSET=Corners, IN", &format!("{nset} \"IN\""));
+    // The first data line continues a keyword line that ends with a comma.
+    assert_fault("*NSET, NSET=Many\n", "*NSET, NSET=Many,\n", &format!("{nset} \"CORNERS\""));
+    assert_fault(
+        "*Surface, name=Under",
+        "*Surface, name=Under, colour=red",
+        "expected parameters of *SURFACE (",
+    );
+    let library = message(&ASSEMBLED.replace("part=Part-1", "library=old, instance=Part-1"));
+    assert!(library.contains("line 18: expected parameters of *INSTANCE (NAME, PART)"), "{library}");
+    let unread =
+        ASSEMBLED.replace("*End Part", "*End Part\n*Part, name=Part-2\n*Node, colour=red\n*End Part");
+    assert_eq!(read(&unread), read(ASSEMBLED));
+}
+
 /// Replaces `from` in the flat deck by `to` and checks that the error is in that line and says `text`.
 fn assert_fault(from: &str, to: &str, text: &str) {
     let before = FLAT.find(from).unwrap_or_else(|| panic!("{from:?} is not in the deck"));
@@ -334,7 +365,7 @@ fn bad_elements_and_nodes_are_found_in_their_line() {
         ),
         "{said}"
     );
-    assert_fault("*Element, type=C3D8R", "*Element, typ=C3D8R", "expected *ELEMENT with TYPE=");
+    assert_fault("*Element, type=C3D8R", "*Element, elset=C3D8R", "expected *ELEMENT with TYPE=");
     let last = "202, 12, 15, 13";
     assert_fault(last, "202, 12, 15, 99", "element 202 refers to node 99, which does not exist");
     assert_fault(last, "201, 12, 15, 13", "element 201 is defined twice");

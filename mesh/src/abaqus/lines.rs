@@ -7,12 +7,40 @@ use std::borrow::Cow;
 
 use crate::error::Fault;
 
+/// The parameters of the keywords that are read, without blanks. Those of them that nobody asks for do not change the mesh.
+const PARAMETERS: [(&str, &[&str]); 6] = [
+    ("NODE", &["INPUT", "INTERNAL", "NSET", "SYSTEM"]),
+    ("ELEMENT", &["ELSET", "FILE", "INPUT", "INTERNAL", "OFFSET", "TYPE"]),
+    ("NSET", &["ELSET", "GENERATE", "INSTANCE", "INTERNAL", "NSET", "UNSORTED"]),
+    ("ELSET", &["ELSET", "GENERATE", "INSTANCE", "INTERNAL", "UNSORTED"]),
+    (
+        "SURFACE",
+        &[
+            "COMBINE",
+            "CROP",
+            "DEFINITION",
+            "FILLETRADIUS",
+            "INTERNAL",
+            "MAXRATIO",
+            "NAME",
+            "NOOFFSET",
+            "NOTHICK",
+            "PROPERTY",
+            "REGIONTYPE",
+            "SCALETHICK",
+            "TRIM",
+            "TYPE",
+        ],
+    ),
+    ("INSTANCE", &["NAME", "PART"]),
+];
+
 /// A keyword line such as `*ELEMENT, TYPE=S4, ELSET=Plate`.
 pub(super) struct Keyword {
     pub at: usize,
     /// In upper case, words separated by one space, without the asterisk.
     pub name: String,
-    /// Names in upper case; values as written, without quotation marks.
+    /// Names in upper case without blanks, which do not count; values as written, without quotation marks.
     parameters: Vec<(String, Option<String>)>,
     text: String,
 }
@@ -24,11 +52,31 @@ impl Keyword {
         let parameters = fields
             .filter(|field| !field.trim().is_empty())
             .map(|field| match field.split_once('=') {
-                Some((key, value)) => (normalised(key), Some(unquoted(value).to_string())),
-                None => (normalised(field), None),
+                Some((key, value)) => (unspaced(key), Some(unquoted(value).to_string())),
+                None => (unspaced(field), None),
             })
             .collect();
         Self { at, name, parameters, text: text.to_string() }
+    }
+
+    /// The same with its parameters spelled out, which may be written as far as only one begins so. An unknown one is an error: it
+    /// could change what is meant. It may also be the first data line, below a keyword line that ends with a comma.
+    pub fn spelled_out(mut self) -> Result<Self, Fault> {
+        let Some((_, known)) = PARAMETERS.iter().find(|(name, _)| *name == self.name) else {
+            return Ok(self);
+        };
+        for (written, _) in &mut self.parameters {
+            let mut alike = known.iter().filter(|name| name.starts_with(written.as_str()));
+            *written = match (known.contains(&written.as_str()), alike.next(), alike.next()) {
+                (true, ..) => continue,
+                (false, Some(only), None) => (*only).into(),
+                _ => {
+                    let expected = format!("parameters of *{} ({})", self.name, known.join(", "));
+                    return Err(Fault::unexpected(self.at, expected, written.as_str()));
+                }
+            };
+        }
+        Ok(self)
     }
 
     /// Whether the parameter is present, with or without a value.
@@ -180,6 +228,10 @@ fn unquoted(text: &str) -> &str {
 
 fn normalised(text: &str) -> String {
     text.split_whitespace().collect::<Vec<_>>().join(" ").to_uppercase()
+}
+
+fn unspaced(text: &str) -> String {
+    text.split_whitespace().collect::<String>().to_uppercase()
 }
 
 #[cfg(test)]

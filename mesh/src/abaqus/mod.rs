@@ -38,7 +38,7 @@ pub(crate) fn read(bytes: &[u8], instance: Option<&str>) -> Result<Mesh, Fault> 
         unread_index: HashMap::new(),
     };
     while let Some(keyword) = deck.lines.keyword()? {
-        deck.read_block(&keyword)?;
+        deck.read_block(keyword)?;
     }
     deck.into_mesh()
 }
@@ -72,7 +72,9 @@ struct Deck<'a> {
 
 impl Deck<'_> {
     /// Reads a keyword's data lines, if they are of the mesh.
-    fn read_block(&mut self, keyword: &Keyword) -> Result<(), Fault> {
+    fn read_block(&mut self, keyword: Keyword) -> Result<(), Fault> {
+        // Those of other parts are nobody's concern.
+        let keyword = &if self.is_read { keyword.spelled_out()? } else { keyword };
         match keyword.name.as_str() {
             "PART" => self.enter(Scope::Part, self.choice.is_part(keyword.required("NAME")?)),
             "INSTANCE" => self.begin_instance(keyword),

@@ -291,6 +291,10 @@ fn keywords_that_would_change_the_mesh_are_refused() {
         ("*NGEN\n1, 2, 1", "NGEN"),
         ("*ELGEN\n1, 2", "ELGEN"),
         ("*SYSTEM\n0,0,0", "SYSTEM"),
+        ("*IMPERFECTION, FILE=buckled, STEP=1\n1, 0.1", "IMPERFECTION"),
+        ("*ADJUST, NODE SET=tips, SURFACE=top", "ADJUST"),
+        ("*IMPORT, STATE=YES\npart-1", "IMPORT"),
+        ("*Symmetric Model Generation, revolve", "SYMMETRICMODELGENERATION"),
         ("*NODE, INPUT=nodes.txt", "NODE"),
         ("*NODE, SYSTEM=C\n1, 1., 0., 0.", "NODE"),
         ("*NSET, NSET=a, ELSET=b", "NSET"),
@@ -301,6 +305,18 @@ fn keywords_that_would_change_the_mesh_are_refused() {
             "{message}"
         );
     }
+}
+
+/// Passed over, they would leave something out. Blanks do not count.
+#[test]
+fn misspelt_keywords_are_refused() {
+    assert_fault("*Element, type=C3D8R", "*Elemnt, type=C3D8R", "expected *ELEMENT, found \"*ELEMNT\"");
+    assert_fault("*Element, type=C3D8R", "*Elem, type=C3D8R", "expected *ELEMENT, found \"*ELEM\"");
+    assert_fault("*NSET, NSET=Many", "*NSETS, NSET=Many", "expected *NSET, found \"*NSETS\"");
+    let end = message(&ASSEMBLED.replace("*End Part", "*EndPrat"));
+    assert!(end.contains("line 15: expected *ENDPART, found \"*ENDPRAT\""), "{end}");
+    let blanks = ASSEMBLED.replace("*End Instance", "*EndInstance").replace("*Nset", "*N set");
+    assert_eq!(read(&blanks), read(ASSEMBLED));
 }
 
 /// One that is passed over could change what is meant: a range would be read as three nodes.

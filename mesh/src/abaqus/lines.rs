@@ -6,6 +6,7 @@
 use std::borrow::Cow;
 
 use crate::error::Fault;
+use crate::names;
 
 /// The parameters of the keywords that are read, without blanks. Those of them that nobody asks for do not change the mesh.
 const PARAMETERS: [(&str, &[&str]); 6] = [
@@ -35,10 +36,33 @@ const PARAMETERS: [(&str, &[&str]); 6] = [
     ("INSTANCE", &["NAME", "PART"]),
 ];
 
+/// Keywords that are read or refused, as far as others are not near to them.
+const OF_A_MESH: [&str; 19] = [
+    "NODE",
+    "ELEMENT",
+    "NSET",
+    "ELSET",
+    "SURFACE",
+    "PART",
+    "ENDPART",
+    "ASSEMBLY",
+    "ENDASSEMBLY",
+    "INSTANCE",
+    "ENDINSTANCE",
+    "INCLUDE",
+    "SYSTEM",
+    "NGEN",
+    "NFILL",
+    "NCOPY",
+    "NMAP",
+    "ELGEN",
+    "ELCOPY",
+];
+
 /// A keyword line such as `*ELEMENT, TYPE=S4, ELSET=Plate`.
 pub(super) struct Keyword {
     pub at: usize,
-    /// In upper case, words separated by one space, without the asterisk.
+    /// In upper case, without the asterisk and without blanks, which do not count.
     pub name: String,
     /// Names in upper case without blanks, which do not count; values as written, without quotation marks.
     parameters: Vec<(String, Option<String>)>,
@@ -48,7 +72,7 @@ pub(super) struct Keyword {
 impl Keyword {
     fn parse(at: usize, text: &str) -> Self {
         let mut fields = split_outside_quotes(text).into_iter();
-        let name = normalised(fields.next().unwrap_or_default().trim_start_matches('*'));
+        let name = unspaced(fields.next().unwrap_or_default().trim_start_matches('*'));
         let parameters = fields
             .filter(|field| !field.trim().is_empty())
             .map(|field| match field.split_once('=') {
@@ -57,6 +81,18 @@ impl Keyword {
             })
             .collect();
         Self { at, name, parameters, text: text.to_string() }
+    }
+
+    /// Refuses a name that is none of a mesh but near to one or its beginning: passed over it would leave something out.
+    pub fn refuse_slip(&self) -> Result<(), Fault> {
+        if OF_A_MESH.contains(&self.name.as_str()) {
+            return Ok(());
+        }
+        let begun = OF_A_MESH.into_iter().find(|name| self.name.len() > 3 && name.starts_with(&self.name));
+        match begun.or_else(|| names::nearest(&self.name, OF_A_MESH)) {
+            Some(meant) => Err(Fault::unexpected(self.at, format!("*{meant}"), format!("*{}", self.name))),
+            None => Ok(()),
+        }
     }
 
     /// The same with its parameters spelled out, which may be written as far as only one begins so. An unknown one is an error: it
@@ -226,10 +262,6 @@ fn unquoted(text: &str) -> &str {
     text.strip_prefix('"').and_then(|inner| inner.strip_suffix('"')).unwrap_or(text)
 }
 
-fn normalised(text: &str) -> String {
-    text.split_whitespace().collect::<Vec<_>>().join(" ").to_uppercase()
-}
-
 fn unspaced(text: &str) -> String {
     text.split_whitespace().collect::<String>().to_uppercase()
 }
@@ -250,6 +282,30 @@ mod tests {
         assert_eq!(lines.data().unwrap().fields, ["1", "2"]);
         assert!(lines.data().is_none());
         assert!(lines.keyword().unwrap().is_none());
+    }
+
+    #[test]
+    fn keywords_of_other_things_are_no_slips() {
+        let others = "AMPLITUDE, BEAM SECTION, BOUNDARY, BUCKLE, BULK VISCOSITY, CFLUX, CHANGE FRICTION, CLEARANCE, CLOAD, \
+            COHESIVE SECTION, CONDUCTIVITY, CONNECTOR SECTION, CONSTRAINT CONTROLS, CONTACT, CONTACT FILE, CONTACT INCLUSIONS, \
+            CONTACT PAIR, CONTACT PRINT, CONTROLS, COUPLED TEMPERATURE-DISPLACEMENT, COUPLING, CREEP, CYCLIC SYMMETRY MODEL, \
+            DAMPING, DASHPOT, DENSITY, DEPVAR, DISTRIBUTING, DISTRIBUTION, DLOAD, DSLOAD, DYNAMIC, EL FILE, EL PRINT, ELASTIC, \
+            ELEMENT OUTPUT, ELEMENT RESPONSE, EMBEDDED ELEMENT, END LOAD CASE, END STEP, ENERGY OUTPUT, EQUATION, EXPANSION, \
+            FASTENER, FILE FORMAT, FILM, FILTER, FLUID BEHAVIOR, FREQUENCY, FRICTION, GAP, GASKET SECTION, HEADING, HEAT TRANSFER, \
+            HYPERELASTIC, HYPERFOAM, IMPEDANCE, IMPORT CONTROLS, IMPORT ELSET, IMPORT NSET, INELASTIC HEAT FRACTION, INERTIA \
+            RELIEF, INITIAL CONDITIONS, INTEGRATED OUTPUT, KINEMATIC, LATENT HEAT, LOAD CASE, MAP SOLUTION, MASS, MASS FLOW RATE, \
+            MATERIAL, MATRIX ASSEMBLE, MATRIX INPUT, MEMBRANE SECTION, MODAL DAMPING, MODEL CHANGE, MONITOR, MPC, NODAL ENERGY \
+            RATE, NODAL THICKNESS, NODE FILE, NODE OUTPUT, NODE PRINT, NODE RESPONSE, NONSTRUCTURAL MASS, NORMAL, ORIENTATION, \
+            OUTPUT, PARAMETER, PHYSICAL CONSTANTS, PLASTIC, POST OUTPUT, PREPRINT, PRESTRESS HOLD, PRE-TENSION SECTION, PRINT, \
+            RADIATE, RATE DEPENDENT, REBAR LAYER, RELEASE, RESTART, RIGID BODY, ROTARY INERTIA, SECTION CONTROLS, SECTION PRINT, \
+            SFILM, SHELL GENERAL SECTION, SHELL SECTION, SHELL TO SOLID COUPLING, SLIDE LINE, SOLID SECTION, SPECIFIC HEAT, \
+            SPRING, SRADIATE, STATIC, STEP, SUBMODEL, SUBSTRUCTURE PATH, SURFACE BEHAVIOR, SURFACE INTERACTION, SURFACE \
+            PROPERTY, SURFACE SECTION, SURFACE SMOOTHING, SYMMETRIC RESULTS TRANSFER, TEMPERATURE, TIE, TIME POINTS, TRANSFORM, \
+            TRANSVERSE SHEAR STIFFNESS, UEL PROPERTY, USER ELEMENT, USER MATERIAL, VARIABLE MASS SCALING, VIEWFACTOR, VISCO, \
+            VISCOELASTIC, WIND";
+        for other in others.split(", ") {
+            assert!(Keyword::parse(0, &format!("*{other}")).refuse_slip().is_ok(), "{other}");
+        }
     }
 
     #[test]

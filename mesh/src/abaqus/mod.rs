@@ -73,13 +73,14 @@ struct Deck<'a> {
 impl Deck<'_> {
     /// Reads a keyword's data lines, if they are of the mesh.
     fn read_block(&mut self, keyword: Keyword) -> Result<(), Fault> {
-        // Those of other parts are nobody's concern.
+        keyword.refuse_slip()?;
+        // Parameters of other parts are nobody's concern.
         let keyword = &if self.is_read { keyword.spelled_out()? } else { keyword };
         match keyword.name.as_str() {
             "PART" => self.enter(Scope::Part, self.choice.is_part(keyword.required("NAME")?)),
             "INSTANCE" => self.begin_instance(keyword),
-            "ASSEMBLY" | "END INSTANCE" => self.enter(Scope::Assembly, true),
-            "END PART" | "END ASSEMBLY" => self.enter(Scope::Model, true),
+            "ASSEMBLY" | "ENDINSTANCE" => self.enter(Scope::Assembly, true),
+            "ENDPART" | "ENDASSEMBLY" => self.enter(Scope::Model, true),
             _ if !self.is_read => {
                 self.lines.skip_data();
                 Ok(())
@@ -94,6 +95,10 @@ impl Deck<'_> {
                 Err(refused(keyword, "write all nodes and elements out"))
             }
             "SYSTEM" => Err(refused(keyword, "write the nodes in global coordinates")),
+            "IMPERFECTION" | "ADJUST" => Err(refused(keyword, "write the nodes where they are moved to")),
+            "IMPORT" | "SYMMETRICMODELGENERATION" => {
+                Err(refused(keyword, "write the nodes and elements of that model out"))
+            }
             _ => {
                 self.lines.skip_data();
                 Ok(())

@@ -231,6 +231,18 @@ fn parts_without_an_instance_and_reference_points_are_passed_over() {
     assert_eq!(mesh.nodes_of("Set-2").unwrap(), [0, 1, 2, 3]);
 }
 
+/// Lines of nodes and of small elements may end with a comma.
+#[test]
+fn reference_points_and_masses_are_one_a_line() {
+    let points = "*End Instance\n*Node, nset=Points\n1, 0., 0., 0.,\n2, 0., 0., 1.,\n*Element, type=MASS\n1, 1,\n2, 2,";
+    let sets = "*Nset, nset=Second\n2,\n*Elset, elset=Masses\n1, 2\n*End Assembly";
+    let mesh = read(&ASSEMBLED.replace("*End Instance", points).replace("*End Assembly", sets));
+    assert!(mesh.nodes_of("Second").unwrap().is_empty(), "not node 2 of the instance");
+    assert!(mesh.elements_of("Masses").unwrap().is_empty());
+    let within = read(&ASSEMBLED.replace("*End Part", "*Element, type=MASS\n7, 1,\n8, 2,\n*End Part"));
+    assert_eq!(within.unread_elements().iter().map(|element| element.tag).collect::<Vec<_>>(), [7, 8]);
+}
+
 /// A line of `*NODE` is a node, whatever is left out of it.
 #[test]
 fn coordinates_that_are_left_out_are_zero() {

@@ -141,7 +141,8 @@ impl Deck<'_> {
         if let Some(name) = keyword.value(kind.parameter()) {
             self.sets_mut(kind).names.define(level, name);
         }
-        while let Some(Data { at, fields }) = self.lines.open_record() {
+        // None of the elements that an assembly may have has more nodes than a line holds.
+        while let Some(Data { at, fields }) = self.lines.data() {
             self.bystanders.insert(kind, parse_tag(&fields[0], at, "a number of a node or an element")?);
         }
         Ok(())
@@ -192,6 +193,7 @@ impl Deck<'_> {
         loop {
             let record = match kind {
                 Some(kind) => self.lines.record(1 + kind.node_count(), &form)?,
+                None if is_small(&name) => self.lines.data(),
                 None => self.lines.open_record(),
             };
             let Some(Data { at, fields }) = record else { return Ok(()) };
@@ -428,6 +430,13 @@ fn parse_range(fields: &[String], at: usize) -> Result<Member, Fault> {
         [first, last, step] if first <= last && step > 0 => Ok(Member::Tags { first, last, step }),
         _ => Err(wrong()),
     }
+}
+
+/// Whether an element of this type that is not supported has one node or two: its lines may end with a comma and are not continued.
+fn is_small(name: &str) -> bool {
+    ["MASS", "ROTARYI", "HEATCAP", "SPRING", "DASHPOT", "CONN", "DCOUP"]
+        .iter()
+        .any(|begin| name.starts_with(begin))
 }
 
 /// The kind of an Abaqus element type, given in upper case.

@@ -398,8 +398,11 @@ fn bad_elements_and_nodes_are_found_in_their_line() {
     assert_fault(last, "202, 12, 15, 99", "element 202 refers to node 99, which does not exist");
     assert_fault(last, "201, 12, 15, 13", "element 201 is defined twice");
     assert_fault(last, "202, 12, 15, 12", "element 202 uses node 12 more than once");
-    assert_fault(last, "202, 12, 15", "expected an element S3: number and 3 nodes, found \"202, 12, 15\"");
+    let form =
+        "expected an element S3: number and 3 nodes (a line that goes on has to end with a comma), found";
+    assert_fault(last, "202, 12, 15", &format!("{form} \"202, 12, 15\""));
     assert_fault(last, "202, 12, 15, 13, 14", "expected an element S3: number and 3 nodes");
+    assert_fault(" 5, 6, 7, 8", " 5, 6, x, 8", "expected a node number, found \"x\"");
     assert_fault(last, "202, 12, 15, x", "expected a node number, found \"x\"");
     let node = "15, 2., .5, 15.e-1";
     assert_fault(node, "14, 2., .5, 1.5", "node 14 is defined twice");
@@ -419,7 +422,6 @@ fn bad_sets_and_surfaces_are_found_in_their_line() {
     assert_fault(" 1, 7, 2", " 7, 1, 2", "expected first, last and increment");
     assert_fault(" 1, 7, 2", " 1, 7, 0", "expected first, last and increment");
     assert_fault(" Brick, S2", " Brick, S7", "expected a face identifier");
-    assert_fault(" Brick, S2", " Brick,", "expected a face identifier");
     assert_fault(
         " Brick, S2",
         " Brick, SPOS",
@@ -474,6 +476,39 @@ fn lines_of_three_nodes_end_with_the_middle() {
             read(&format!("*NODE\n1, 0, 0, 0\n2, 1, 0, 0\n3, 2, 0, 0\n*ELEMENT, TYPE={kind}\n7, 1, 2, 3\n"));
         let line = &mesh.elements()[0];
         assert_eq!((line.kind(), line.nodes()), (ElementKind::Line3, &[0, 2, 1][..]));
+    }
+}
+
+/// What orients a section is not read.
+#[test]
+fn beams_may_have_a_node_of_orientation() {
+    for (kind, nodes) in [("B31", "1, 2, 3"), ("B32", "1, 2, 3, 1")] {
+        let deck = format!("*NODE\n1, 0, 0, 0\n2, 1, 0, 0\n3, 2, 0, 0\n*ELEMENT, TYPE={kind}\n7, {nodes}\n");
+        let own = read(&deck).elements()[0].nodes().len();
+        assert_eq!(own, nodes.split(',').count() - 1);
+        assert!(
+            message(&deck.replace(nodes, &format!("{nodes}, 1"))).contains("line 6: expected an element B3")
+        );
+    }
+    assert!(
+        message("*NODE\n1, 0, 0, 0\n*ELEMENT, TYPE=T3D2\n7, 1, 2, 3\n").contains("expected an element T3D2")
+    );
+}
+
+/// Edges of shells and free faces matter where they are asked for.
+#[test]
+fn surfaces_that_are_not_supported_do_not_stand_in_the_way_of_others() {
+    for (line, face) in
+        [(" plate, E1", "E1"), (" Brick,", ""), (" 201, SPOS\n 202, e3", "E3"), (" plate, EDGE", "EDGE")]
+    {
+        let mesh = read(&FLAT.replace(" plate, sneg", line));
+        assert!(mesh.facets("Top").is_ok());
+        for error in [mesh.facets("under").unwrap_err(), mesh.nodes_of("Under").unwrap_err()] {
+            assert!(
+                matches!(&error, MeshError::UnsupportedFace { face: found, .. } if found == face),
+                "{error}"
+            );
+        }
     }
 }
 

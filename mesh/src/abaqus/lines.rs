@@ -142,6 +142,21 @@ impl Keyword {
 pub(super) struct Data {
     pub at: usize,
     pub fields: Vec<String>,
+    /// Number of the first field of each line that continues it, and the place of that line.
+    continued: Vec<(usize, usize)>,
+}
+
+impl Data {
+    /// The place of a field's line.
+    pub fn place(&self, field: usize) -> usize {
+        let line = self.continued.iter().rfind(|&&(first, _)| first <= field);
+        line.map_or(self.at, |&(_, at)| at)
+    }
+
+    fn extend(&mut self, more: Data) {
+        self.continued.push((self.fields.len(), more.at));
+        self.fields.extend(more.fields);
+    }
 }
 
 /// The lines of a file, read in order.
@@ -178,6 +193,7 @@ impl<'a> Lines<'a> {
         Some(Data {
             at,
             fields: split_outside_quotes(&line).into_iter().map(|f| unquoted(f).into()).collect(),
+            continued: Vec::new(),
         })
     }
 
@@ -192,16 +208,16 @@ impl<'a> Lines<'a> {
         while record.fields.last().is_some_and(String::is_empty) {
             record.fields.pop();
             match self.data() {
-                Some(more) => record.fields.extend(more.fields),
+                Some(more) => record.extend(more),
                 None => break,
             }
         }
         Some(record)
     }
 
-    /// The next data line, of exactly `count` fields. While fields are missing and the line ends with a comma, the next line
-    /// continues it.
-    pub fn record(&mut self, count: usize, form: &str) -> Result<Option<Data>, Fault> {
+    /// The next data line, of `count` fields, or up to so many `more`. While fields are missing and the line ends with a comma, the
+    /// next line continues it.
+    pub fn record(&mut self, count: usize, more: usize, form: &str) -> Result<Option<Data>, Fault> {
         let Some(mut record) = self.data() else { return Ok(None) };
         while record.fields.last().is_some_and(String::is_empty) {
             record.fields.pop();
@@ -209,12 +225,16 @@ impl<'a> Lines<'a> {
                 break;
             }
             match self.data() {
-                Some(more) => record.fields.extend(more.fields),
+                Some(more) => record.extend(more),
                 None if self.at == self.bytes.len() => return Err(Fault::truncated(self.at, form)),
                 None => break,
             }
         }
-        if record.fields.len() != count {
+        if record.fields.len() < count {
+            let form = format!("{form} (a line that goes on has to end with a comma)");
+            return Err(Fault::unexpected(record.at, form, record.fields.join(", ")));
+        }
+        if record.fields.len() > count + more {
             return Err(Fault::unexpected(record.at, form, record.fields.join(", ")));
         }
         Ok(Some(record))
@@ -311,7 +331,7 @@ mod tests {
     #[test]
     fn records_gather_continued_lines() {
         let mut lines = Lines::new(b"1, 2,\n3, 4,\n5,\n6, 7, 8\n9, 10\n11,");
-        let mut record = || lines.record(4, "four numbers");
+        let mut record = || lines.record(4, 0, "four numbers");
         assert_eq!(record().unwrap().unwrap().fields, ["1", "2", "3", "4"]);
         assert_eq!(record().unwrap().unwrap().fields, ["5", "6", "7", "8"]);
         assert!(record().is_err());

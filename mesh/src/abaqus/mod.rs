@@ -142,7 +142,7 @@ impl Deck<'_> {
             self.sets_mut(kind).names.define(level, name);
         }
         // None of the elements that an assembly may have has more nodes than a line holds.
-        while let Some(Data { at, fields }) = self.lines.data() {
+        while let Some(Data { at, fields, .. }) = self.lines.data() {
             self.bystanders.insert(kind, parse_tag(&fields[0], at, "a number of a node or an element")?);
         }
         Ok(())
@@ -158,7 +158,7 @@ impl Deck<'_> {
             return Err(refused(keyword, "write the nodes in rectangular coordinates"));
         }
         let set = keyword.value("NSET").map(|name| self.node_sets.names.define(self.level(), name));
-        while let Some(Data { at, fields }) = self.lines.data() {
+        while let Some(Data { at, fields, .. }) = self.lines.data() {
             // Three direction cosines may follow the coordinates.
             if fields.len() > 7 && fields[7..].iter().any(|field| !field.is_empty()) {
                 return Err(Fault::unexpected(at, "a node: number, x, y, z", fields.join(", ")));
@@ -191,12 +191,15 @@ impl Deck<'_> {
             None => String::new(),
         };
         loop {
+            // A node may follow that a beam's section is oriented by.
+            let more = usize::from(name.starts_with('B'));
             let record = match kind {
-                Some(kind) => self.lines.record(1 + kind.node_count(), &form)?,
+                Some(kind) => self.lines.record(1 + kind.node_count(), more, &form)?,
                 None if is_small(&name) => self.lines.data(),
                 None => self.lines.open_record(),
             };
-            let Some(Data { at, fields }) = record else { return Ok(()) };
+            let Some(record) = record else { return Ok(()) };
+            let (at, fields) = (record.at, &record.fields);
             let tag = parse_tag(&fields[0], at, "an element number")?;
             let is_known = self.unread_index.contains_key(&tag);
             if is_known || (kind.is_none() && self.builder.element_index(tag).is_some()) {
@@ -204,8 +207,8 @@ impl Deck<'_> {
             }
             if let Some(kind) = kind {
                 let mut nodes = [0; MOST_NODES];
-                for (node, field) in nodes.iter_mut().zip(&fields[1..]) {
-                    *node = parse_tag(self.local(field), at, "a node number")?;
+                for (k, field) in fields.iter().enumerate().skip(1) {
+                    nodes[k - 1] = parse_tag(self.local(field), record.place(k), "a node number")?;
                 }
                 // Abaqus has the middle of a line between its ends.
                 if kind == ElementKind::Line3 {
@@ -242,7 +245,7 @@ impl Deck<'_> {
                 return Err(Fault::unexpected(keyword.at, "INSTANCE= with the name of an instance", other));
             }
         };
-        while let Some(Data { at, fields }) = self.lines.data() {
+        while let Some(Data { at, fields, .. }) = self.lines.data() {
             if keyword.has("GENERATE") {
                 let member = parse_range(&fields, at)?;
                 if !matches!(member, Member::Tags { first, .. } if self.is_bystander(kind, of_instance, first))
@@ -276,7 +279,7 @@ impl Deck<'_> {
         }
         let level = self.level();
         let surface = self.surfaces.define(kind, level, name);
-        while let Some(Data { at, fields }) = self.lines.data() {
+        while let Some(Data { at, fields, .. }) = self.lines.data() {
             let Some(member) = self.member(&fields[0], kind, false, name, at)? else { continue };
             match kind {
                 SetKind::Node => self.surfaces.add_nodes(surface, member, at),
@@ -365,6 +368,9 @@ impl Deck<'_> {
             ),
             in_surfaces: named(
                 surfaces.publish(facets.iter().map(|surface| place(&surface.unread)).collect(), &owner),
+            ),
+            faces: named(
+                surfaces.publish(facets.iter().map(|surface| surface.unsupported.clone()).collect(), &owner),
             ),
             elements: self.unread,
         };

@@ -1,8 +1,9 @@
 //! Reads the mesh of an Abaqus input file: nodes, elements, sets and surfaces.
 //!
 //! The file is flat, or has parts and an assembly of instances, of which one is read. Keywords that create or move nodes
-//! and are not supported are refused; all others (materials, steps, ...) are skipped. Elements of a type that is not supported
-//! are left out, and sets that hold one remember it. The format is described in the Abaqus manuals, "Input syntax rules" and the
+//! and are not supported are refused, and so is what is near to a keyword of a mesh; all others (materials, steps, ...) are skipped.
+//! Elements of a type that is not supported are left out, and sets that hold one remember it, as surfaces remember a face that is not.
+//! The format is described in the Abaqus manuals, "Input syntax rules" and the
 //! keyword reference.
 
 mod assembly;

@@ -145,6 +145,31 @@ fn both_formats_hold_the_same_interface() {
     assert_eq!(torus["slaves"], torus["contacts"], "{torus}");
 }
 
+/// A mesh in units a million times as long has gaps that fixed decimals would show as zero.
+#[test]
+fn gaps_and_areas_have_digits_in_any_unit() {
+    let scratch = Scratch::new("surface-units");
+    let shipped = std::fs::read_to_string(shipped("plate_on_cylinder.inp")).unwrap();
+    let mut is_node = false;
+    let scaled = shipped.lines().map(|line| {
+        if line.starts_with('*') {
+            is_node = line.to_uppercase().starts_with("*NODE");
+        } else if is_node {
+            let (tag, coordinates) = line.split_once(',').unwrap();
+            let small = |x: &str| format!("{:e}", 1e-6 * x.trim().parse::<f64>().unwrap());
+            return format!("{tag}, {}\n", coordinates.split(',').map(small).collect::<Vec<_>>().join(", "));
+        }
+        format!("{line}\n")
+    });
+    let mesh = scratch.file("small.inp", &scaled.collect::<String>());
+    let told = run(&["surface", &mesh, "-o", &scratch.path("out.vtu")]).stdout;
+    for label in ["gap ", "slave area "] {
+        let row = told.lines().find(|line| line.starts_with(label)).unwrap();
+        let number: f64 = row[label.len()..].split_whitespace().next().unwrap().parse().unwrap();
+        assert!(number != 0.0 && row.contains("e-"), "{row}");
+    }
+}
+
 #[test]
 fn weights_and_frames_are_those_asked_for() {
     let scratch = Scratch::new("surface-options");

@@ -75,6 +75,18 @@ pub enum MeshError {
         /// Its type as the file names it.
         kind: String,
     },
+    /// The surface has edges, ends or all free faces of elements, which are not read.
+    #[error(
+        "the surface {name:?} has the face identifier {face:?}, which is not supported; supported are SPOS, SNEG and S1 to S6",
+        name = shown(name),
+        face = shown(face)
+    )]
+    UnsupportedFace {
+        /// The name of the surface.
+        name: String,
+        /// The first such identifier; empty for all free faces.
+        face: String,
+    },
     /// No set has this name.
     #[error("no set is named {name:?}{}; {}", did_you_mean(nearest.as_deref()), list_of(available), name = shown(name))]
     UnknownSet {

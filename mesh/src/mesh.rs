@@ -41,12 +41,14 @@ pub struct UnreadElement {
     pub kind: String,
 }
 
-/// Elements of types that are not supported, and the first of them in each set and surface that holds any.
+/// Elements of types that are not supported, and the first of them in each set and surface that holds any. Of surfaces the first
+/// face identifier that is not supported, too.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct Unread {
     pub elements: Vec<UnreadElement>,
     pub in_sets: BTreeMap<String, usize>,
     pub in_surfaces: BTreeMap<String, usize>,
+    pub faces: BTreeMap<String, String>,
 }
 
 impl Mesh {
@@ -105,7 +107,7 @@ impl Mesh {
     pub fn facets(&self, name: &str) -> Result<Vec<Facet>, MeshError> {
         let exact = self.surfaces.contains_key(name) || self.element_sets.contains_key(name);
         if let Some((spelling, surface)) = find(&self.surfaces, name, exact) {
-            self.refuse_unread(&self.unread.in_surfaces, spelling, name)?;
+            self.refuse_unread_surface(spelling, name)?;
             if !surface.is_empty() {
                 return Ok(surface.clone());
             }
@@ -129,7 +131,7 @@ impl Mesh {
         if let Some((_, nodes)) = find(&self.node_sets, name, exact) {
             Ok(nodes.clone())
         } else if let Some((spelling, surface)) = find(&self.surfaces, name, exact) {
-            self.refuse_unread(&self.unread.in_surfaces, spelling, name)?;
+            self.refuse_unread_surface(spelling, name)?;
             Ok(unite(surface.iter().flat_map(Facet::nodes).copied().collect()))
         } else if let Some((spelling, elements)) = find(&self.element_sets, name, exact) {
             self.refuse_unread(&self.unread.in_sets, spelling, name)?;
@@ -158,6 +160,13 @@ impl Mesh {
         self.node_sets.contains_key(name)
             || self.element_sets.contains_key(name)
             || self.surfaces.contains_key(name)
+    }
+
+    fn refuse_unread_surface(&self, spelling: &str, name: &str) -> Result<(), MeshError> {
+        if let Some(face) = self.unread.faces.get(spelling) {
+            return Err(MeshError::UnsupportedFace { name: name.into(), face: face.clone() });
+        }
+        self.refuse_unread(&self.unread.in_surfaces, spelling, name)
     }
 
     fn refuse_unread(

@@ -231,6 +231,18 @@ fn parts_without_an_instance_and_reference_points_are_passed_over() {
     assert_eq!(mesh.nodes_of("Set-2").unwrap(), [0, 1, 2, 3]);
 }
 
+/// Lines of nodes and of small elements may end with a comma.
+#[test]
+fn reference_points_and_masses_are_one_a_line() {
+    let points = "*End Instance\n*Node, nset=Points\n1, 0., 0., 0.,\n2, 0., 0., 1.,\n*Element, type=MASS\n1, 1,\n2, 2,";
+    let sets = "*Nset, nset=Second\n2,\n*Elset, elset=Masses\n1, 2\n*End Assembly";
+    let mesh = read(&ASSEMBLED.replace("*End Instance", points).replace("*End Assembly", sets));
+    assert!(mesh.nodes_of("Second").unwrap().is_empty(), "not node 2 of the instance");
+    assert!(mesh.elements_of("Masses").unwrap().is_empty());
+    let within = read(&ASSEMBLED.replace("*End Part", "*Element, type=MASS\n7, 1,\n8, 2,\n*End Part"));
+    assert_eq!(within.unread_elements().iter().map(|element| element.tag).collect::<Vec<_>>(), [7, 8]);
+}
+
 /// A line of `*NODE` is a node, whatever is left out of it.
 #[test]
 fn coordinates_that_are_left_out_are_zero() {
@@ -291,6 +303,10 @@ fn keywords_that_would_change_the_mesh_are_refused() {
         ("*NGEN\n1, 2, 1", "NGEN"),
         ("*ELGEN\n1, 2", "ELGEN"),
         ("*SYSTEM\n0,0,0", "SYSTEM"),
+        ("*IMPERFECTION, FILE=buckled, STEP=1\n1, 0.1", "IMPERFECTION"),
+        ("*ADJUST, NODE SET=tips, SURFACE=top", "ADJUST"),
+        ("*IMPORT, STATE=YES\npart-1", "IMPORT"),
+        ("*Symmetric Model Generation, revolve", "SYMMETRICMODELGENERATION"),
         ("*NODE, INPUT=nodes.txt", "NODE"),
         ("*NODE, SYSTEM=C\n1, 1., 0., 0.", "NODE"),
         ("*NSET, NSET=a, ELSET=b", "NSET"),
@@ -301,6 +317,49 @@ fn keywords_that_would_change_the_mesh_are_refused() {
             "{message}"
         );
     }
+}
+
+/// Passed over, they would leave something out. Blanks do not count.
+#[test]
+fn misspelt_keywords_are_refused() {
+    assert_fault("*Element, type=C3D8R", "*Elemnt, type=C3D8R", "expected *ELEMENT, found \"*ELEMNT\"");
+    assert_fault("*Element, type=C3D8R", "*Elem, type=C3D8R", "expected *ELEMENT, found \"*ELEM\"");
+    assert_fault("*NSET, NSET=Many", "*NSETS, NSET=Many", "expected *NSET, found \"*NSETS\"");
+    let end = message(&ASSEMBLED.replace("*End Part", "*EndPrat"));
+    assert!(end.contains("line 15: expected *ENDPART, found \"*ENDPRAT\""), "{end}");
+    let blanks = ASSEMBLED.replace("*End Instance", "*EndInstance").replace("*Nset", "*N set");
+    assert_eq!(read(&blanks), read(ASSEMBLED));
+}
+
+/// One that is passed over could change what is meant: a range would be read as three nodes.
+#[test]
+fn parameters_may_be_abbreviated_and_have_to_be_known() {
+    let short =
+        FLAT.replace("NSET=Corners, GENERATE", "NS=Corners, gen").replace("elset=Brick", "els = Brick");
+    assert_eq!(read(&short), read(FLAT));
+    assert_eq!(read(&ASSEMBLED.replace("instance=Part-1-1", "inst=Part-1-1")), read(ASSEMBLED));
+    assert_eq!(read(&FLAT.replace("*NSET, NSET=Corners", "*NSET, UN SORTED, NSET=Corners")), read(FLAT));
+    let cylindrical = message("*HEADING\nx\n*NODE, SYS=C\n1, 1., 0., 0.\n");
+    assert!(cylindrical.contains("line 3: *NODE as used here is not supported"), "{cylindrical}");
+    let nset = "expected parameters of *NSET (ELSET, GENERATE, INSTANCE, INTERNAL, NSET, UNSORTED), found";
+    assert_fault(
+        "*NSET, NSET=Corners, GENERATE",
+        "*NSET, NSET=Corners, GENRATE",
+        &format!("{nset} \"GENRATE\""),
+    );
+    assert_fault("*NSET, NSET=Corners, GENERATE", "*NSET, NSET=Corners, IN", &format!("{nset} \"IN\""));
+    // The first data line continues a keyword line that ends with a comma.
+    assert_fault("*NSET, NSET=Many\n", "*NSET, NSET=Many,\n", &format!("{nset} \"CORNERS\""));
+    assert_fault(
+        "*Surface, name=Under",
+        "*Surface, name=Under, colour=red",
+        "expected parameters of *SURFACE (",
+    );
+    let library = message(&ASSEMBLED.replace("part=Part-1", "library=old, instance=Part-1"));
+    assert!(library.contains("line 18: expected parameters of *INSTANCE (NAME, PART)"), "{library}");
+    let unread =
+        ASSEMBLED.replace("*End Part", "*End Part\n*Part, name=Part-2\n*Node, colour=red\n*End Part");
+    assert_eq!(read(&unread), read(ASSEMBLED));
 }
 
 /// Replaces `from` in the flat deck by `to` and checks that the error is in that line and says `text`.
@@ -334,13 +393,16 @@ fn bad_elements_and_nodes_are_found_in_their_line() {
         ),
         "{said}"
     );
-    assert_fault("*Element, type=C3D8R", "*Element, typ=C3D8R", "expected *ELEMENT with TYPE=");
+    assert_fault("*Element, type=C3D8R", "*Element, elset=C3D8R", "expected *ELEMENT with TYPE=");
     let last = "202, 12, 15, 13";
     assert_fault(last, "202, 12, 15, 99", "element 202 refers to node 99, which does not exist");
     assert_fault(last, "201, 12, 15, 13", "element 201 is defined twice");
     assert_fault(last, "202, 12, 15, 12", "element 202 uses node 12 more than once");
-    assert_fault(last, "202, 12, 15", "expected an element S3: number and 3 nodes, found \"202, 12, 15\"");
+    let form =
+        "expected an element S3: number and 3 nodes (a line that goes on has to end with a comma), found";
+    assert_fault(last, "202, 12, 15", &format!("{form} \"202, 12, 15\""));
     assert_fault(last, "202, 12, 15, 13, 14", "expected an element S3: number and 3 nodes");
+    assert_fault(" 5, 6, 7, 8", " 5, 6, x, 8", "expected a node number, found \"x\"");
     assert_fault(last, "202, 12, 15, x", "expected a node number, found \"x\"");
     let node = "15, 2., .5, 15.e-1";
     assert_fault(node, "14, 2., .5, 1.5", "node 14 is defined twice");
@@ -360,7 +422,6 @@ fn bad_sets_and_surfaces_are_found_in_their_line() {
     assert_fault(" 1, 7, 2", " 7, 1, 2", "expected first, last and increment");
     assert_fault(" 1, 7, 2", " 1, 7, 0", "expected first, last and increment");
     assert_fault(" Brick, S2", " Brick, S7", "expected a face identifier");
-    assert_fault(" Brick, S2", " Brick,", "expected a face identifier");
     assert_fault(
         " Brick, S2",
         " Brick, SPOS",
@@ -415,6 +476,39 @@ fn lines_of_three_nodes_end_with_the_middle() {
             read(&format!("*NODE\n1, 0, 0, 0\n2, 1, 0, 0\n3, 2, 0, 0\n*ELEMENT, TYPE={kind}\n7, 1, 2, 3\n"));
         let line = &mesh.elements()[0];
         assert_eq!((line.kind(), line.nodes()), (ElementKind::Line3, &[0, 2, 1][..]));
+    }
+}
+
+/// What orients a section is not read.
+#[test]
+fn beams_may_have_a_node_of_orientation() {
+    for (kind, nodes) in [("B31", "1, 2, 3"), ("B32", "1, 2, 3, 1")] {
+        let deck = format!("*NODE\n1, 0, 0, 0\n2, 1, 0, 0\n3, 2, 0, 0\n*ELEMENT, TYPE={kind}\n7, {nodes}\n");
+        let own = read(&deck).elements()[0].nodes().len();
+        assert_eq!(own, nodes.split(',').count() - 1);
+        assert!(
+            message(&deck.replace(nodes, &format!("{nodes}, 1"))).contains("line 6: expected an element B3")
+        );
+    }
+    assert!(
+        message("*NODE\n1, 0, 0, 0\n*ELEMENT, TYPE=T3D2\n7, 1, 2, 3\n").contains("expected an element T3D2")
+    );
+}
+
+/// Edges of shells and free faces matter where they are asked for.
+#[test]
+fn surfaces_that_are_not_supported_do_not_stand_in_the_way_of_others() {
+    for (line, face) in
+        [(" plate, E1", "E1"), (" Brick,", ""), (" 201, SPOS\n 202, e3", "E3"), (" plate, EDGE", "EDGE")]
+    {
+        let mesh = read(&FLAT.replace(" plate, sneg", line));
+        assert!(mesh.facets("Top").is_ok());
+        for error in [mesh.facets("under").unwrap_err(), mesh.nodes_of("Under").unwrap_err()] {
+            assert!(
+                matches!(&error, MeshError::UnsupportedFace { face: found, .. } if found == face),
+                "{error}"
+            );
+        }
     }
 }
 

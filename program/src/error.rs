@@ -23,6 +23,12 @@ pub enum CliError {
         /// The file.
         path: PathBuf,
     },
+    /// A page would replace another file.
+    #[error("{}: is no page, and is not replaced by one; give another name for the output", path.display())]
+    NoPage {
+        /// The file.
+        path: PathBuf,
+    },
     /// An input file cannot be read.
     #[error("{}: cannot be read: {}", path.display(), reason_of(reason))]
     Read {

@@ -1,7 +1,7 @@
 //! Writing results so that a reader never meets half of them.
 
-use std::fs::{self, OpenOptions};
-use std::io::{self, BufWriter, ErrorKind, Write};
+use std::fs::{self, File, OpenOptions};
+use std::io::{self, BufWriter, ErrorKind, Read, Write};
 use std::path::{Path, PathBuf};
 
 use diffuse_contact_mesh::{VtuError, VtuFile, file};
@@ -36,6 +36,21 @@ pub fn check_distinct(input: &Path, output: &Path) -> Result<(), CliError> {
             Err(CliError::OutputIsInput { path: output.into() })
         }
         _ => Ok(()),
+    }
+}
+
+/// Refuses to replace a file by a page unless it is one, or empty: a name that is forgotten before `-o` leaves that of an input.
+pub fn check_page(path: &Path) -> Result<(), CliError> {
+    const BEGIN: &[u8] = b"<!DOCTYPE html>";
+    if !path.is_file() {
+        return Ok(());
+    }
+    let mut begin = Vec::new();
+    let read = File::open(path).and_then(|file| file.take(BEGIN.len() as u64).read_to_end(&mut begin));
+    match read {
+        Ok(_) if begin.is_empty() || begin == BEGIN => Ok(()),
+        Ok(_) => Err(CliError::NoPage { path: path.into() }),
+        Err(reason) => Err(CliError::Write { path: path.into(), reason }),
     }
 }
 

@@ -28,6 +28,14 @@ pub fn duration(time: Duration) -> String {
     format!("{value:.digits$} {unit}")
 }
 
+/// A number with at most so many significant digits, none of them a zero at the end. Lengths may be in any unit: those of a mesh in
+/// metres are small.
+pub fn number(value: f64, digits: usize) -> String {
+    let rounded: f64 = format!("{value:.*e}", digits - 1).parse().unwrap_or(value);
+    let is_short = rounded == 0.0 || (1e-4..1e6).contains(&rounded.abs());
+    if is_short { format!("{rounded}") } else { format!("{rounded:e}") }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -37,6 +45,20 @@ mod tests {
         assert_eq!(duration(Duration::from_nanos(4_321)), "4.32 µs");
         assert_eq!(duration(Duration::from_micros(12_345)), "12.3 ms");
         assert_eq!(duration(Duration::from_millis(123_000)), "123 s");
+    }
+
+    #[test]
+    fn numbers_keep_their_digits_in_any_unit() {
+        for (value, shown) in [
+            (0.0, "0"),
+            (-0.522_812_34, "-0.522812"),
+            (6.633_571_2, "6.63357"),
+            (5.228e-7, "5.228e-7"),
+            (1.0 / 3e-9, "3.33333e8"),
+        ] {
+            assert_eq!(number(value, 6), shown);
+        }
+        assert_eq!(number(-5.2281e-4, 3), "-0.000523");
     }
 
     #[test]

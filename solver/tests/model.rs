@@ -269,6 +269,28 @@ fn instances_of_a_file_become_parts() {
     assert!(matches!(read_rigid_part(&path, None, "face"), Err(ModelError::Mesh(_))));
 }
 
+/// A solid that is left out is a hole; a type that is not known may be one.
+#[test]
+fn files_with_solids_that_are_not_read_are_refused() {
+    let corners = "1,0,0,0\n2,1,0,0\n3,1,1,0\n4,0,1,0\n5,0,0,1\n6,1,0,1\n7,1,1,1\n8,0,1,1\n";
+    let read = |kind: &str| {
+        let path = std::env::temp_dir().join(format!("diffuse-contact-{kind}-{}.inp", std::process::id()));
+        let elements = format!("*ELEMENT, TYPE=C3D8R\n1,1,2,3,4,5,6,7,8\n*ELEMENT, TYPE={kind}\n2,1,2\n");
+        std::fs::write(&path, format!("*NODE\n{corners}{elements}")).unwrap();
+        let part = read_solid_part(&path, None, None);
+        std::fs::remove_file(&path).unwrap();
+        part
+    };
+    for kind in ["C3D27", "GK3D8", "Q3D8", "EC3D8R", "CCL12", "SC8R", "CSS8", "COH3D8", "FC3D8", "D3D8"] {
+        assert!(matches!(read(kind), Err(ModelError::UnreadSolid { tag: 2, .. })), "{kind}");
+    }
+    for kind in
+        ["MASS", "CONN3D2", "SPRINGA", "DCOUP3D", "S9R5", "B33", "PIPE31", "CPE4", "CAX8", "F3D4", "U1", "D"]
+    {
+        assert!(read(kind).is_ok(), "{kind}");
+    }
+}
+
 /// Whoever has the file open finds the element by its number there; of a shape they count from 1, body by body.
 #[test]
 fn elements_are_called_by_their_part_and_their_number_in_the_file() {

@@ -4,16 +4,20 @@ use std::fs;
 use std::path::Path;
 use std::process::Command;
 
-use diffuse_contact_solver::output::{History, HistoryRow, SkinFrame, Summary, read_history};
+use diffuse_contact_solver::output::{History, HistoryRow, Skin, SkinFrame, Summary, read_history};
 
 use crate::decks::{BLOCK, block_in, failing};
 use crate::runs::{Scratch, run};
+
+/// With this variable set a missing browser fails a test; without it the test says so and passes.
+const REQUIRE: &str = "DIFFUSE_CONTACT_REQUIRE_TOOLS";
 
 /// The page after its script has run, or nothing where there is no browser.
 fn opened(scratch: &Scratch, page: &str) -> Option<String> {
     let names = ["chromium", "chromium-browser", "google-chrome"];
     let found = names.into_iter().find(|name| Command::new(name).arg("--version").output().is_ok());
     let Some(browser) = found else {
+        assert!(std::env::var_os(REQUIRE).is_none(), "there is no browser among {names:?}");
         eprintln!("skipped: there is no browser among {names:?} to open {page} with");
         return None;
     };
@@ -33,6 +37,20 @@ fn opened(scratch: &Scratch, page: &str) -> Option<String> {
         .output()
         .unwrap();
     Some(String::from_utf8(output.stdout).unwrap())
+}
+
+/// What an expression of the page's script is once all is drawn, or nothing where there is no browser.
+fn asked(scratch: &Scratch, page: &str, expression: &str) -> Option<serde_json::Value> {
+    let says = format!(
+        "<script>setInterval(() => {{ if (document.body.dataset.ready)\
+         document.body.dataset.said = JSON.stringify({expression}) }}, 100)</script></body>"
+    );
+    let text = fs::read_to_string(page).unwrap();
+    let end = text.rfind("</body>").unwrap();
+    let asking = format!("{}{says}{}", &text[..end], &text[end + "</body>".len()..]);
+    let dom = opened(scratch, &scratch.file("asking.html", &asking))?;
+    let said = dom.split("data-said=\"").nth(1).and_then(|rest| rest.split('"').next()).expect("an answer");
+    Some(serde_json::from_str(&said.replace("&quot;", "\"")).unwrap())
 }
 
 /// Width of a telephone held upright. Browser windows are wider, but not frames.
@@ -150,7 +168,9 @@ fn a_run_without_a_finished_increment_has_a_report() {
     };
     let sizes: Vec<f64> = failed["worst"].as_array().unwrap().iter().map(size).collect();
     assert!(sizes.len() == 10 && sizes.is_sorted_by(|a, b| a >= b) && sizes[9] > 0.0, "{sizes:?}");
-    assert!(!failed["residuals"].as_array().unwrap().is_empty() && failed["frame"].is_object());
+    let count = |name: &str| failed[name].as_array().map_or(0, Vec::len);
+    assert!(count("residuals") > 0 && failed["frame"].is_object());
+    assert_eq!((count("iterations"), &failed["iterations"][0]), (count("residuals"), &0.into()));
 }
 
 #[test]
@@ -240,13 +260,78 @@ fn results_are_not_replaced_by_their_report() {
         run(&["report", &out, "-o", &link]).assert_refused(&["is the input file"]);
     }
     assert_eq!(run(&["report", &out, "-o", &format!("{out}/report.html")]).code, 0);
-    assert_eq!(run(&["report", &out, "-o", &format!("{out}/mine.html")]).code, 0);
+    for _ in 0..2 {
+        assert_eq!(run(&["report", &out, "-o", &format!("{out}/mine.html")]).code, 0);
+    }
+    // Nor is anything else that is no page.
+    let pinch = scratch.file("pinch.toml", "mine");
+    run(&["report", &out, "-o", &pinch]).assert_refused(&["pinch.toml", "is no page"]);
+    assert_eq!(fs::read_to_string(&pinch).unwrap(), "mine");
+    assert_eq!(run(&["report", &out, "-o", &scratch.file("empty.html", "")]).code, 0);
 }
 
 /// A number of a line's column.
 fn column(history: &History, row: &HistoryRow, name: &str) -> f64 {
     assert!(history.columns.iter().any(|column| column == name), "{name}");
     history.value(row, name)
+}
+
+/// Rounds of augmentation begin with a residual that took no solution. On the way the increment that is shown is the one of most iterations.
+#[test]
+fn residuals_stand_over_their_linear_solutions() {
+    for (extrapolation, first) in [("none", 1.0), ("linear", 0.0)] {
+        let scratch = Scratch::new(&format!("report-rounds-{extrapolation}"));
+        let deck = block_in(4).replace(
+            "refresh = \"iteration\"",
+            "method = \"augmented-lagrangian\"\naugmentation = { tolerance = 1e-4 }",
+        ) + &format!("[newton]\nextrapolation = \"{extrapolation}\"\n");
+        let (deck, out) = (scratch.file("block.toml", &deck), scratch.path("out"));
+        assert_eq!(run(&["solve", &deck, "--out", &out]).code, 0);
+        let history = read_history(&Path::new(&out).join("history.csv")).unwrap();
+        let iterations = read_history(&Path::new(&out).join("iterations.csv")).unwrap();
+        let says = "[Number(element(\"increment\").value), element(\"convergence\").data[0].x]";
+        let Some(said) = asked(&scratch, &format!("{out}/report.html"), says) else { return };
+        let (number, shown): (usize, Vec<f64>) = serde_json::from_value(said).unwrap();
+        let rows = iterations.rows.iter().filter(|row| row.increment == number);
+        let solutions: Vec<f64> = rows.map(|row| iterations.value(row, "iteration")).collect();
+        assert_eq!(shown, solutions[solutions.len() - shown.len()..]);
+        assert_eq!(
+            shown[0], first,
+            "the first of {solutions:?} is left out, unless it is that of an extrapolation"
+        );
+        assert_eq!(*shown.last().unwrap(), column(&history, &history.rows[number - 1], "iterations"));
+        assert!(shown.len() > 1 + *shown.last().unwrap() as usize, "rounds: {shown:?}");
+    }
+}
+
+/// Nodes without a gap have a zero in the results, and that is no gap.
+#[test]
+fn the_least_and_the_largest_gap_are_gaps() {
+    let scratch = Scratch::new("report-gaps");
+    let deck = scratch.file("block.toml", &format!("{}[output]\ncolour = \"gap\"\n", block_in(4)));
+    let out = scratch.path("out");
+    assert_eq!(run(&["solve", &deck, "--out", &out]).code, 0);
+    let read = |name: &str| fs::read_to_string(Path::new(&out).join(name)).unwrap();
+    let (skin, frame): (Skin, SkinFrame) = (
+        serde_json::from_str(&read("skins/skin.json")).unwrap(),
+        serde_json::from_str(&read("skins/00004.json")).unwrap(),
+    );
+    let [gap, status] = ["contact_gap", "contact_status"].map(|name| &frame.fields[name]);
+    let mut gaps: Vec<(f64, usize)> = (0..gap.len())
+        .filter(|&k| [2.0, 3.0].contains(&status[k]))
+        .map(|k| (gap[k], skin.nodes[k]))
+        .collect();
+    gaps.sort_by(|a, b| a.0.total_cmp(&b.0));
+    assert!(gaps.len() < gap.len() && gaps[gaps.len() - 1].0 < 0.0, "a zero would be the largest: {gaps:?}");
+    let says = "element(\"extremes\").textContent.match(/at node [0-9]+/g)";
+    let Some(said) = asked(&scratch, &format!("{out}/report.html"), says) else { return };
+    let named: [String; 2] = serde_json::from_value(said).unwrap();
+    for (name, end) in named.iter().zip([gaps[0].0, gaps[gaps.len() - 1].0]) {
+        // The page has seven digits, of which several nodes may have the same.
+        let node: usize = name.trim_start_matches("at node ").parse().unwrap();
+        let (own, _) = gaps.iter().find(|(_, other)| *other == node).expect("a slave with a gap");
+        assert!((own / end - 1.0).abs() < 1e-6, "{name}: {own}, {end}");
+    }
 }
 
 /// What slides at the end, its traction and what it has dissipated: in numbers, on the skin and in the page.

@@ -141,6 +141,16 @@ fn results_are_not_replaced_unasked() {
         run(&[&arguments[..], how.as_slice()].concat()).assert_refused(&["mine", "deck.toml"]);
         assert_eq!(fs::read_to_string(scratch.path("mine/deck.toml")).unwrap(), "precious");
     }
+    // Nor is one that has results beside it and was changed since.
+    fs::create_dir(scratch.path("beside")).unwrap();
+    let (own, beside) = (scratch.file("beside/deck.toml", &block_in(2)), scratch.path("beside"));
+    assert_eq!(run(&["solve", &own, "--out", &beside]).code, 0);
+    let changed = format!("{}# precious\n", block_in(2));
+    fs::write(&own, &changed).unwrap();
+    run(&["solve", &other, "--out", &beside, "--overwrite"]).assert_refused(&["beside", "deck.toml"]);
+    assert_eq!(fs::read_to_string(&own).unwrap(), changed);
+    assert_eq!(run(&["solve", &own, "--out", &beside, "--overwrite"]).code, 0);
+    assert_eq!(run(&["solve", &other, "--out", &beside, "--overwrite"]).code, 0, "a copy of what was solved");
 }
 
 #[test]

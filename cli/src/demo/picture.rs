@@ -11,6 +11,7 @@ use crate::error::CliError;
 use crate::output;
 use crate::surface::nodes::SlaveNodes;
 use crate::surface::slaves::Surfaces;
+use crate::words::number;
 
 /// Width and height of each of the two drawings, pixels.
 const SIZE: [f64; 2] = [560.0, 400.0];
@@ -226,7 +227,7 @@ fn write_bar(writer: &mut dyn Write, [smallest, largest]: [f64; 2]) -> io::Resul
     for gap in labels {
         let below = (largest - gap) / (largest - smallest).max(f64::MIN_POSITIVE);
         let y = top + SIZE[1] * below + 5.0;
-        writeln!(writer, "<text x=\"{}\" y=\"{y:.1}\">{gap:.3}</text>", left + 24.0)?;
+        writeln!(writer, "<text x=\"{}\" y=\"{y:.1}\">{}</text>", left + 24.0, number(gap, 3))?;
     }
     Ok(())
 }

@@ -12,7 +12,7 @@ use super::nodes::{Counts, SlaveNodes};
 use super::slaves::Surfaces;
 use crate::contact_mesh::SetArguments;
 use crate::contact_options::ElementDescription;
-use crate::words::{counted, duration, row};
+use crate::words::{counted, duration, number, row};
 
 /// Everything the summary speaks of.
 pub struct Report<'a> {
@@ -91,7 +91,7 @@ impl fmt::Display for Report<'_> {
         row(f, "slave surface", &format!("set \"{}\": {}", sets.slave, counts_of(facets, slaves)))?;
         let area: f64 = nodes.nodes.iter().map(|node| node.area).sum();
         let area =
-            if surfaces.has_areas { format!("{area:.6}") } else { "none: not all nodes have facets".into() };
+            if surfaces.has_areas { number(area, 6) } else { "none: not all nodes have facets".into() };
         row(f, "slave area", &area)?;
         row(f, "element", &self.element.to_string())?;
         row(f, "contact", &format!("{} of {}", counts.contacts, counted(slaves, "slave node")))?;
@@ -111,7 +111,8 @@ impl fmt::Display for Report<'_> {
         match counts.gaps {
             Some([smallest, largest]) => {
                 let unit = "(length unit of the mesh; negative: penetrating)";
-                row(f, "gap", &format!("{smallest:.6} to {largest:.6} {unit}"))?;
+                let [smallest, largest] = [smallest, largest].map(|gap| number(gap, 6));
+                row(f, "gap", &format!("{smallest} to {largest} {unit}"))?;
                 row(f, "penetrating", &counted(counts.penetrating, "slave node"))?;
                 if surfaces.has_areas && 2 * counts.deep > counts.contacts {
                     let meaning =

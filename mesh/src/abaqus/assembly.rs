@@ -28,7 +28,7 @@ impl Choice {
         while let Some(keyword) = lines.keyword()? {
             match keyword.name.as_str() {
                 "PART" => parts.push(keyword),
-                "INSTANCE" => instances.push(keyword),
+                "INSTANCE" => instances.push(keyword.spelled_out()?),
                 _ => {}
             }
             lines.skip_data();

@@ -6,13 +6,65 @@
 use std::borrow::Cow;
 
 use crate::error::Fault;
+use crate::names;
+
+/// The parameters of the keywords that are read, without blanks. Those of them that nobody asks for do not change the mesh.
+const PARAMETERS: [(&str, &[&str]); 6] = [
+    ("NODE", &["INPUT", "INTERNAL", "NSET", "SYSTEM"]),
+    ("ELEMENT", &["ELSET", "FILE", "INPUT", "INTERNAL", "OFFSET", "TYPE"]),
+    ("NSET", &["ELSET", "GENERATE", "INSTANCE", "INTERNAL", "NSET", "UNSORTED"]),
+    ("ELSET", &["ELSET", "GENERATE", "INSTANCE", "INTERNAL", "UNSORTED"]),
+    (
+        "SURFACE",
+        &[
+            "COMBINE",
+            "CROP",
+            "DEFINITION",
+            "FILLETRADIUS",
+            "INTERNAL",
+            "MAXRATIO",
+            "NAME",
+            "NOOFFSET",
+            "NOTHICK",
+            "PROPERTY",
+            "REGIONTYPE",
+            "SCALETHICK",
+            "TRIM",
+            "TYPE",
+        ],
+    ),
+    ("INSTANCE", &["NAME", "PART"]),
+];
+
+/// Keywords that are read or refused, as far as others are not near to them.
+const OF_A_MESH: [&str; 19] = [
+    "NODE",
+    "ELEMENT",
+    "NSET",
+    "ELSET",
+    "SURFACE",
+    "PART",
+    "ENDPART",
+    "ASSEMBLY",
+    "ENDASSEMBLY",
+    "INSTANCE",
+    "ENDINSTANCE",
+    "INCLUDE",
+    "SYSTEM",
+    "NGEN",
+    "NFILL",
+    "NCOPY",
+    "NMAP",
+    "ELGEN",
+    "ELCOPY",
+];
 
 /// A keyword line such as `*ELEMENT, TYPE=S4, ELSET=Plate`.
 pub(super) struct Keyword {
     pub at: usize,
-    /// In upper case, words separated by one space, without the asterisk.
+    /// In upper case, without the asterisk and without blanks, which do not count.
     pub name: String,
-    /// Names in upper case; values as written, without quotation marks.
+    /// Names in upper case without blanks, which do not count; values as written, without quotation marks.
     parameters: Vec<(String, Option<String>)>,
     text: String,
 }
@@ -20,15 +72,47 @@ pub(super) struct Keyword {
 impl Keyword {
     fn parse(at: usize, text: &str) -> Self {
         let mut fields = split_outside_quotes(text).into_iter();
-        let name = normalised(fields.next().unwrap_or_default().trim_start_matches('*'));
+        let name = unspaced(fields.next().unwrap_or_default().trim_start_matches('*'));
         let parameters = fields
             .filter(|field| !field.trim().is_empty())
             .map(|field| match field.split_once('=') {
-                Some((key, value)) => (normalised(key), Some(unquoted(value).to_string())),
-                None => (normalised(field), None),
+                Some((key, value)) => (unspaced(key), Some(unquoted(value).to_string())),
+                None => (unspaced(field), None),
             })
             .collect();
         Self { at, name, parameters, text: text.to_string() }
+    }
+
+    /// Refuses a name that is none of a mesh but near to one or its beginning: passed over it would leave something out.
+    pub fn refuse_slip(&self) -> Result<(), Fault> {
+        if OF_A_MESH.contains(&self.name.as_str()) {
+            return Ok(());
+        }
+        let begun = OF_A_MESH.into_iter().find(|name| self.name.len() > 3 && name.starts_with(&self.name));
+        match begun.or_else(|| names::nearest(&self.name, OF_A_MESH)) {
+            Some(meant) => Err(Fault::unexpected(self.at, format!("*{meant}"), format!("*{}", self.name))),
+            None => Ok(()),
+        }
+    }
+
+    /// The same with its parameters spelled out, which may be written as far as only one begins so. An unknown one is an error: it
+    /// could change what is meant. It may also be the first data line, below a keyword line that ends with a comma.
+    pub fn spelled_out(mut self) -> Result<Self, Fault> {
+        let Some((_, known)) = PARAMETERS.iter().find(|(name, _)| *name == self.name) else {
+            return Ok(self);
+        };
+        for (written, _) in &mut self.parameters {
+            let mut alike = known.iter().filter(|name| name.starts_with(written.as_str()));
+            *written = match (known.contains(&written.as_str()), alike.next(), alike.next()) {
+                (true, ..) => continue,
+                (false, Some(only), None) => (*only).into(),
+                _ => {
+                    let expected = format!("parameters of *{} ({})", self.name, known.join(", "));
+                    return Err(Fault::unexpected(self.at, expected, written.as_str()));
+                }
+            };
+        }
+        Ok(self)
     }
 
     /// Whether the parameter is present, with or without a value.
@@ -58,6 +142,21 @@ impl Keyword {
 pub(super) struct Data {
     pub at: usize,
     pub fields: Vec<String>,
+    /// Number of the first field of each line that continues it, and the place of that line.
+    continued: Vec<(usize, usize)>,
+}
+
+impl Data {
+    /// The place of a field's line.
+    pub fn place(&self, field: usize) -> usize {
+        let line = self.continued.iter().rfind(|&&(first, _)| first <= field);
+        line.map_or(self.at, |&(_, at)| at)
+    }
+
+    fn extend(&mut self, more: Data) {
+        self.continued.push((self.fields.len(), more.at));
+        self.fields.extend(more.fields);
+    }
 }
 
 /// The lines of a file, read in order.
@@ -94,6 +193,7 @@ impl<'a> Lines<'a> {
         Some(Data {
             at,
             fields: split_outside_quotes(&line).into_iter().map(|f| unquoted(f).into()).collect(),
+            continued: Vec::new(),
         })
     }
 
@@ -108,16 +208,16 @@ impl<'a> Lines<'a> {
         while record.fields.last().is_some_and(String::is_empty) {
             record.fields.pop();
             match self.data() {
-                Some(more) => record.fields.extend(more.fields),
+                Some(more) => record.extend(more),
                 None => break,
             }
         }
         Some(record)
     }
 
-    /// The next data line, of exactly `count` fields. While fields are missing and the line ends with a comma, the next line
-    /// continues it.
-    pub fn record(&mut self, count: usize, form: &str) -> Result<Option<Data>, Fault> {
+    /// The next data line, of `count` fields, or up to so many `more`. While fields are missing and the line ends with a comma, the
+    /// next line continues it.
+    pub fn record(&mut self, count: usize, more: usize, form: &str) -> Result<Option<Data>, Fault> {
         let Some(mut record) = self.data() else { return Ok(None) };
         while record.fields.last().is_some_and(String::is_empty) {
             record.fields.pop();
@@ -125,12 +225,16 @@ impl<'a> Lines<'a> {
                 break;
             }
             match self.data() {
-                Some(more) => record.fields.extend(more.fields),
+                Some(more) => record.extend(more),
                 None if self.at == self.bytes.len() => return Err(Fault::truncated(self.at, form)),
                 None => break,
             }
         }
-        if record.fields.len() != count {
+        if record.fields.len() < count {
+            let form = format!("{form} (a line that goes on has to end with a comma)");
+            return Err(Fault::unexpected(record.at, form, record.fields.join(", ")));
+        }
+        if record.fields.len() > count + more {
             return Err(Fault::unexpected(record.at, form, record.fields.join(", ")));
         }
         Ok(Some(record))
@@ -178,8 +282,8 @@ fn unquoted(text: &str) -> &str {
     text.strip_prefix('"').and_then(|inner| inner.strip_suffix('"')).unwrap_or(text)
 }
 
-fn normalised(text: &str) -> String {
-    text.split_whitespace().collect::<Vec<_>>().join(" ").to_uppercase()
+fn unspaced(text: &str) -> String {
+    text.split_whitespace().collect::<String>().to_uppercase()
 }
 
 #[cfg(test)]
@@ -201,9 +305,33 @@ mod tests {
     }
 
     #[test]
+    fn keywords_of_other_things_are_no_slips() {
+        let others = "AMPLITUDE, BEAM SECTION, BOUNDARY, BUCKLE, BULK VISCOSITY, CFLUX, CHANGE FRICTION, CLEARANCE, CLOAD, \
+            COHESIVE SECTION, CONDUCTIVITY, CONNECTOR SECTION, CONSTRAINT CONTROLS, CONTACT, CONTACT FILE, CONTACT INCLUSIONS, \
+            CONTACT PAIR, CONTACT PRINT, CONTROLS, COUPLED TEMPERATURE-DISPLACEMENT, COUPLING, CREEP, CYCLIC SYMMETRY MODEL, \
+            DAMPING, DASHPOT, DENSITY, DEPVAR, DISTRIBUTING, DISTRIBUTION, DLOAD, DSLOAD, DYNAMIC, EL FILE, EL PRINT, ELASTIC, \
+            ELEMENT OUTPUT, ELEMENT RESPONSE, EMBEDDED ELEMENT, END LOAD CASE, END STEP, ENERGY OUTPUT, EQUATION, EXPANSION, \
+            FASTENER, FILE FORMAT, FILM, FILTER, FLUID BEHAVIOR, FREQUENCY, FRICTION, GAP, GASKET SECTION, HEADING, HEAT TRANSFER, \
+            HYPERELASTIC, HYPERFOAM, IMPEDANCE, IMPORT CONTROLS, IMPORT ELSET, IMPORT NSET, INELASTIC HEAT FRACTION, INERTIA \
+            RELIEF, INITIAL CONDITIONS, INTEGRATED OUTPUT, KINEMATIC, LATENT HEAT, LOAD CASE, MAP SOLUTION, MASS, MASS FLOW RATE, \
+            MATERIAL, MATRIX ASSEMBLE, MATRIX INPUT, MEMBRANE SECTION, MODAL DAMPING, MODEL CHANGE, MONITOR, MPC, NODAL ENERGY \
+            RATE, NODAL THICKNESS, NODE FILE, NODE OUTPUT, NODE PRINT, NODE RESPONSE, NONSTRUCTURAL MASS, NORMAL, ORIENTATION, \
+            OUTPUT, PARAMETER, PHYSICAL CONSTANTS, PLASTIC, POST OUTPUT, PREPRINT, PRESTRESS HOLD, PRE-TENSION SECTION, PRINT, \
+            RADIATE, RATE DEPENDENT, REBAR LAYER, RELEASE, RESTART, RIGID BODY, ROTARY INERTIA, SECTION CONTROLS, SECTION PRINT, \
+            SFILM, SHELL GENERAL SECTION, SHELL SECTION, SHELL TO SOLID COUPLING, SLIDE LINE, SOLID SECTION, SPECIFIC HEAT, \
+            SPRING, SRADIATE, STATIC, STEP, SUBMODEL, SUBSTRUCTURE PATH, SURFACE BEHAVIOR, SURFACE INTERACTION, SURFACE \
+            PROPERTY, SURFACE SECTION, SURFACE SMOOTHING, SYMMETRIC RESULTS TRANSFER, TEMPERATURE, TIE, TIME POINTS, TRANSFORM, \
+            TRANSVERSE SHEAR STIFFNESS, UEL PROPERTY, USER ELEMENT, USER MATERIAL, VARIABLE MASS SCALING, VIEWFACTOR, VISCO, \
+            VISCOELASTIC, WIND";
+        for other in others.split(", ") {
+            assert!(Keyword::parse(0, &format!("*{other}")).refuse_slip().is_ok(), "{other}");
+        }
+    }
+
+    #[test]
     fn records_gather_continued_lines() {
         let mut lines = Lines::new(b"1, 2,\n3, 4,\n5,\n6, 7, 8\n9, 10\n11,");
-        let mut record = || lines.record(4, "four numbers");
+        let mut record = || lines.record(4, 0, "four numbers");
         assert_eq!(record().unwrap().unwrap().fields, ["1", "2", "3", "4"]);
         assert_eq!(record().unwrap().unwrap().fields, ["5", "6", "7", "8"]);
         assert!(record().is_err());

@@ -1,8 +1,9 @@
 //! Reads the mesh of an Abaqus input file: nodes, elements, sets and surfaces.
 //!
 //! The file is flat, or has parts and an assembly of instances, of which one is read. Keywords that create or move nodes
-//! and are not supported are refused; all others (materials, steps, ...) are skipped. Elements of a type that is not supported
-//! are left out, and sets that hold one remember it. The format is described in the Abaqus manuals, "Input syntax rules" and the
+//! and are not supported are refused, and so is what is near to a keyword of a mesh; all others (materials, steps, ...) are skipped.
+//! Elements of a type that is not supported are left out, and sets that hold one remember it, as surfaces remember a face that is not.
+//! The format is described in the Abaqus manuals, "Input syntax rules" and the
 //! keyword reference.
 
 mod assembly;
@@ -38,7 +39,7 @@ pub(crate) fn read(bytes: &[u8], instance: Option<&str>) -> Result<Mesh, Fault> 
         unread_index: HashMap::new(),
     };
     while let Some(keyword) = deck.lines.keyword()? {
-        deck.read_block(&keyword)?;
+        deck.read_block(keyword)?;
     }
     deck.into_mesh()
 }
@@ -72,12 +73,15 @@ struct Deck<'a> {
 
 impl Deck<'_> {
     /// Reads a keyword's data lines, if they are of the mesh.
-    fn read_block(&mut self, keyword: &Keyword) -> Result<(), Fault> {
+    fn read_block(&mut self, keyword: Keyword) -> Result<(), Fault> {
+        keyword.refuse_slip()?;
+        // Parameters of other parts are nobody's concern.
+        let keyword = &if self.is_read { keyword.spelled_out()? } else { keyword };
         match keyword.name.as_str() {
             "PART" => self.enter(Scope::Part, self.choice.is_part(keyword.required("NAME")?)),
             "INSTANCE" => self.begin_instance(keyword),
-            "ASSEMBLY" | "END INSTANCE" => self.enter(Scope::Assembly, true),
-            "END PART" | "END ASSEMBLY" => self.enter(Scope::Model, true),
+            "ASSEMBLY" | "ENDINSTANCE" => self.enter(Scope::Assembly, true),
+            "ENDPART" | "ENDASSEMBLY" => self.enter(Scope::Model, true),
             _ if !self.is_read => {
                 self.lines.skip_data();
                 Ok(())
@@ -92,6 +96,10 @@ impl Deck<'_> {
                 Err(refused(keyword, "write all nodes and elements out"))
             }
             "SYSTEM" => Err(refused(keyword, "write the nodes in global coordinates")),
+            "IMPERFECTION" | "ADJUST" => Err(refused(keyword, "write the nodes where they are moved to")),
+            "IMPORT" | "SYMMETRICMODELGENERATION" => {
+                Err(refused(keyword, "write the nodes and elements of that model out"))
+            }
             _ => {
                 self.lines.skip_data();
                 Ok(())
@@ -134,7 +142,8 @@ impl Deck<'_> {
         if let Some(name) = keyword.value(kind.parameter()) {
             self.sets_mut(kind).names.define(level, name);
         }
-        while let Some(Data { at, fields }) = self.lines.open_record() {
+        // None of the elements that an assembly may have has more nodes than a line holds.
+        while let Some(Data { at, fields, .. }) = self.lines.data() {
             self.bystanders.insert(kind, parse_tag(&fields[0], at, "a number of a node or an element")?);
         }
         Ok(())
@@ -150,7 +159,7 @@ impl Deck<'_> {
             return Err(refused(keyword, "write the nodes in rectangular coordinates"));
         }
         let set = keyword.value("NSET").map(|name| self.node_sets.names.define(self.level(), name));
-        while let Some(Data { at, fields }) = self.lines.data() {
+        while let Some(Data { at, fields, .. }) = self.lines.data() {
             // Three direction cosines may follow the coordinates.
             if fields.len() > 7 && fields[7..].iter().any(|field| !field.is_empty()) {
                 return Err(Fault::unexpected(at, "a node: number, x, y, z", fields.join(", ")));
@@ -183,11 +192,15 @@ impl Deck<'_> {
             None => String::new(),
         };
         loop {
+            // A node may follow that a beam's section is oriented by.
+            let more = usize::from(name.starts_with('B'));
             let record = match kind {
-                Some(kind) => self.lines.record(1 + kind.node_count(), &form)?,
+                Some(kind) => self.lines.record(1 + kind.node_count(), more, &form)?,
+                None if is_small(&name) => self.lines.data(),
                 None => self.lines.open_record(),
             };
-            let Some(Data { at, fields }) = record else { return Ok(()) };
+            let Some(record) = record else { return Ok(()) };
+            let (at, fields) = (record.at, &record.fields);
             let tag = parse_tag(&fields[0], at, "an element number")?;
             let is_known = self.unread_index.contains_key(&tag);
             if is_known || (kind.is_none() && self.builder.element_index(tag).is_some()) {
@@ -195,8 +208,8 @@ impl Deck<'_> {
             }
             if let Some(kind) = kind {
                 let mut nodes = [0; MOST_NODES];
-                for (node, field) in nodes.iter_mut().zip(&fields[1..]) {
-                    *node = parse_tag(self.local(field), at, "a node number")?;
+                for (k, field) in fields.iter().enumerate().skip(1) {
+                    nodes[k - 1] = parse_tag(self.local(field), record.place(k), "a node number")?;
                 }
                 // Abaqus has the middle of a line between its ends.
                 if kind == ElementKind::Line3 {
@@ -233,7 +246,7 @@ impl Deck<'_> {
                 return Err(Fault::unexpected(keyword.at, "INSTANCE= with the name of an instance", other));
             }
         };
-        while let Some(Data { at, fields }) = self.lines.data() {
+        while let Some(Data { at, fields, .. }) = self.lines.data() {
             if keyword.has("GENERATE") {
                 let member = parse_range(&fields, at)?;
                 if !matches!(member, Member::Tags { first, .. } if self.is_bystander(kind, of_instance, first))
@@ -267,7 +280,7 @@ impl Deck<'_> {
         }
         let level = self.level();
         let surface = self.surfaces.define(kind, level, name);
-        while let Some(Data { at, fields }) = self.lines.data() {
+        while let Some(Data { at, fields, .. }) = self.lines.data() {
             let Some(member) = self.member(&fields[0], kind, false, name, at)? else { continue };
             match kind {
                 SetKind::Node => self.surfaces.add_nodes(surface, member, at),
@@ -357,6 +370,9 @@ impl Deck<'_> {
             in_surfaces: named(
                 surfaces.publish(facets.iter().map(|surface| place(&surface.unread)).collect(), &owner),
             ),
+            faces: named(
+                surfaces.publish(facets.iter().map(|surface| surface.unsupported.clone()).collect(), &owner),
+            ),
             elements: self.unread,
         };
         let sorted = |sets: Vec<Content>| {
@@ -421,6 +437,13 @@ fn parse_range(fields: &[String], at: usize) -> Result<Member, Fault> {
         [first, last, step] if first <= last && step > 0 => Ok(Member::Tags { first, last, step }),
         _ => Err(wrong()),
     }
+}
+
+/// Whether an element of this type that is not supported has one node or two: its lines may end with a comma and are not continued.
+fn is_small(name: &str) -> bool {
+    ["MASS", "ROTARYI", "HEATCAP", "SPRING", "DASHPOT", "CONN", "DCOUP"]
+        .iter()
+        .any(|begin| name.starts_with(begin))
 }
 
 /// The kind of an Abaqus element type, given in upper case.

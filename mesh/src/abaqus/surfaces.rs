@@ -14,6 +14,8 @@ pub(super) struct Surfaces {
     faces: Vec<FaceEntry>,
     of_nodes: Names,
     nodes: Vec<NodeEntry>,
+    /// The first identifier of each surface of faces that is none of a whole facet.
+    unsupported: BTreeMap<usize, String>,
     /// What is in the entries, those of nodes without a face: the same once more adds nothing.
     known: HashSet<(usize, Member, Option<Face>)>,
 }
@@ -24,6 +26,8 @@ pub(super) struct Faces {
     pub facets: Vec<Facet>,
     /// The first element in it of a type that is not supported.
     pub unread: Option<u64>,
+    /// The first identifier in it that is not supported.
+    pub unsupported: Option<String>,
 }
 
 struct FaceEntry {
@@ -63,6 +67,13 @@ impl Face {
         }
     }
 
+    /// Whether it is another identifier of Abaqus: an edge or an end, or the free faces that none at all stands for.
+    fn is_other(text: &str) -> bool {
+        let text = text.to_uppercase();
+        let numbered = ["EDGE", "END", "E"].into_iter().find_map(|begin| text.strip_prefix(begin));
+        text.is_empty() || numbered.is_some_and(|number| number.bytes().all(|digit| digit.is_ascii_digit()))
+    }
+
     /// Empty if the element has no such face.
     fn facets(self, element: &Element) -> Vec<Facet> {
         match self {
@@ -98,9 +109,14 @@ impl Surfaces {
     }
 
     pub fn add_face(&mut self, surface: usize, member: Member, face: &str, at: usize) -> Result<(), Fault> {
-        let face = Face::parse(face).ok_or_else(|| {
-            Fault::unexpected(at, "a face identifier (SPOS, SNEG or S1 to S6) after the element set", face)
-        })?;
+        let Some(face) = Face::parse(face) else {
+            if Face::is_other(face) {
+                self.unsupported.entry(surface).or_insert_with(|| face.to_uppercase());
+                return Ok(());
+            }
+            let form = "a face identifier (SPOS, SNEG or S1 to S6) after the element set";
+            return Err(Fault::unexpected(at, form, face));
+        };
         if self.known.insert((surface, member, Some(face))) {
             self.faces.push(FaceEntry { at, surface, member, face });
         }
@@ -116,6 +132,9 @@ impl Surfaces {
         elements: &[Element],
     ) -> Result<Vec<Faces>, Fault> {
         let mut surfaces = vec![Faces::default(); self.of_faces.count()];
+        for (&surface, face) in &self.unsupported {
+            surfaces[surface].unsupported = Some(face.clone());
+        }
         let mut room = Room::new(element_sets.of);
         self.faces.iter().try_for_each(|entry| room.take(entry.member.count(elements_in), entry.at))?;
         let mut seen = HashSet::new();

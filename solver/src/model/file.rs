@@ -8,6 +8,22 @@ use diffuse_contact_mesh::{self as mesh, Mesh};
 
 use super::{Cells, ModelError, Part, sorted};
 
+/// How types begin that are no solids: points and springs, connectors, shells, membranes and surfaces, rigid facets, beams, elements in a
+/// plane or on an axis, cavities, and elements of one's own.
+const NO_SOLIDS: &[&str] = &[
+    "MASS", "ROTARYI", "HEATCAP", "SPRING", "DASHPOT", "CONN", "DCOUP", "JOINT", "GAP", "ITS", "ITT", "IRS",
+    "ISL", "DRAG", "S3", "S4", "S8", "S9", "STRI", "SAX", "SFM", "DS", "M3D", "MAX", "MGAX", "MCL", "R2D",
+    "R3D", "RAX", "RB", "B2", "B3", "PIPE", "ELBOW", "FRAME", "T2D", "T3D", "CPE", "CPS", "CAX", "CGAX",
+    "COH2D", "COHAX", "CINP", "CINAX", "AC1D", "AC2D", "ACAX", "ACIN", "DC1D", "DC2D", "DCAX", "DCC1D",
+    "DCC2D", "DCCAX", "F2D", "F3D", "FAX", "FLINK", "U", "WARP",
+];
+
+/// Whether it may be a solid: a type that is not known to be something else.
+fn may_be_solid(kind: &str) -> bool {
+    // CalculiX' network elements are just that.
+    kind != "D" && !NO_SOLIDS.iter().any(|begin| kind.starts_with(begin))
+}
+
 /// A deformable part: the solids of an element set, or of the whole file, and of the file's sets and surfaces what lies on
 /// them. A surface of shell elements counts if it lies on the part's skin, and is turned outward. `instance`: which one of an
 /// Abaqus file, if there are several.
@@ -20,10 +36,8 @@ pub fn read_solid_part(
     elements: Option<&str>,
 ) -> Result<Part, ModelError> {
     let mesh = read(path, instance)?;
-    let solids = ["C3D", "AC3D", "DC3D", "CIN3D", "COH3D", "CSS", "SC"];
-    let is_solid = |kind: &str| solids.iter().any(|begin| kind.starts_with(begin));
     if elements.is_none()
-        && let Some(solid) = mesh.unread_elements().iter().find(|element| is_solid(&element.kind))
+        && let Some(solid) = mesh.unread_elements().iter().find(|element| may_be_solid(&element.kind))
     {
         let mesh::UnreadElement { tag, kind } = solid.clone();
         return Err(ModelError::UnreadSolid { tag, kind });

@@ -5,9 +5,9 @@ use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
 use diffuse_contact_mesh::file;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
-use super::{OutputError, names};
+use super::{OutputError, names, seal};
 
 /// Files of a directory of results besides those in its folders; the deck, which may be the user's own, is not among them.
 const FILES: [&str; 8] = [
@@ -71,7 +71,8 @@ impl Directory {
     pub fn prepare(&self, deck: &str, overwrite: bool) -> Result<(), OutputError> {
         let holds_results = FILES.iter().any(|name| self.path(name).exists());
         let path = self.path(names::DECK);
-        if !holds_results && path.exists() && !self.holds_deck(deck) {
+        let is_own = !holds_results || self.is_deck_changed();
+        if is_own && path.exists() && !self.holds_deck(deck) {
             // No run wrote it: it is the user's own.
             return Err(OutputError::ForeignDeck { path });
         }
@@ -109,6 +110,17 @@ impl Directory {
 
     fn holds_deck(&self, deck: &str) -> bool {
         fs::read(self.path(names::DECK)).is_ok_and(|text| text == deck.as_bytes())
+    }
+
+    /// Whether the deck is none that the results are of. A state that cannot be read, or that an earlier version wrote, does not say.
+    fn is_deck_changed(&self) -> bool {
+        #[derive(Deserialize)]
+        struct Written {
+            deck: Option<String>,
+        }
+        let written = super::read_json::<Written>(&self.path(names::STATE)).ok().and_then(|state| state.deck);
+        let present = fs::read_to_string(self.path(names::DECK)).ok();
+        written.zip(present).is_some_and(|(written, present)| written != seal::digest(&present))
     }
 
     /// A folder that is a link leads to where others may keep their files.

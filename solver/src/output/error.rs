@@ -65,7 +65,8 @@ pub enum OutputError {
         /// The directory.
         path: PathBuf,
     },
-    /// The directory holds a deck that would be replaced by another, and no results that it belongs to.
+    /// The directory holds a deck that would be replaced by another, and no results that it belongs to: none at all, or those of the deck as
+    /// it was before it was changed.
     #[error(
         "{} is another deck than the one to be solved, and belongs to no results: it is not replaced, name another directory",
         path.display()

@@ -20,6 +20,9 @@ pub struct Failed {
     pub reason: String,
     /// Its residuals over the forces; `None` where that is no number, as without any force.
     pub residuals: Vec<Option<f64>>,
+    /// Linear solutions before each of them; empty in what an earlier version wrote.
+    #[serde(default)]
+    pub iterations: Vec<usize>,
     /// The nodes with the largest residuals at its last evaluation, the worst first.
     pub worst: Vec<WorstNode>,
     /// The skin where it was left; `None` if a position is no number.
@@ -71,6 +74,7 @@ impl Failed {
             residuals: relative
                 .map(|residual| Some(residual).filter(|residual| residual.is_finite()))
                 .collect(),
+            iterations: failed.history.iter().map(|record| record.iteration).collect(),
             worst: worst(problem, model, positions),
             frame,
         }

@@ -71,6 +71,7 @@ impl Skin {
     pub fn frame(&self, increment: usize, time: f64, positions: &[[f64; 3]], fields: &Fields) -> SkinFrame {
         let size = |v: &[f64; 3]| v.iter().map(|x| x * x).sum::<f64>().sqrt();
         let displacement: Vec<f64> = fields.displacement.iter().map(size).collect();
+        let status: Vec<f64> = fields.contact_status.iter().copied().map(f64::from).collect();
         let friction = fields.friction.as_ref().map(|friction| {
             let traction: Vec<f64> = friction.traction.iter().map(size).collect();
             let status: Vec<f64> = friction.status.iter().copied().map(f64::from).collect();
@@ -80,6 +81,7 @@ impl Skin {
             ("displacement", &displacement),
             ("contact_pressure", &fields.contact_pressure),
             ("contact_gap", &fields.contact_gap),
+            ("contact_status", &status),
         ];
         if let Some(stresses) = &fields.stresses {
             named.push(("von_mises", &stresses.von_mises));

@@ -134,6 +134,7 @@ pub fn report(arguments: &ReportArguments) -> Result<(), CliError> {
         }
     }
     output::check_target(&arguments.output)?;
+    output::check_page(&arguments.output)?;
     let directories: Vec<&Path> = arguments.directories.iter().map(PathBuf::as_path).collect();
     let page = page(&directories).map_err(|reason| CliError::job(SolveError::from(reason)))?;
     output::write_file(&arguments.output, |writer| writer.write_all(page.as_bytes()))

@@ -34,8 +34,8 @@ struct Run {
     summary: Summary,
     /// Columns of `history.csv`, by name.
     history: BTreeMap<String, Vec<f64>>,
-    /// Per increment the relative residuals.
-    residuals: BTreeMap<usize, Vec<f64>>,
+    /// Per increment the residuals that are shown: linear solutions so far, and the residual over the forces.
+    residuals: BTreeMap<usize, Vec<(f64, f64)>>,
     skin: Skin,
     frames: Vec<Frame>,
     surfaces: Vec<Surface>,
@@ -141,9 +141,15 @@ fn read_run(directory: &Path, runs: usize) -> Result<Run, OutputError> {
     let column = |k: usize| increments.rows.iter().map(|row| row.values[k]).collect();
     let history = increments.columns.iter().enumerate().map(|(k, name)| (name.clone(), column(k))).collect();
     let iterations = read_history(&directory.join(names::ITERATIONS))?;
-    let mut residuals: BTreeMap<usize, Vec<f64>> = BTreeMap::new();
+    let mut residuals: BTreeMap<usize, Vec<(f64, f64)>> = BTreeMap::new();
     for row in &iterations.rows {
-        residuals.entry(row.increment).or_default().push(iterations.value(row, "relative"));
+        let [iteration, relative, step] =
+            ["iteration", "relative", "step"].map(|column| iterations.value(row, column));
+        let known = residuals.entry(row.increment).or_default();
+        // The first is that before the prescribed nodes move, unless it is that of an extrapolation.
+        if iteration > 0.0 || step > 0.0 || !known.is_empty() {
+            known.push((iteration, relative));
+        }
     }
     let skins = directory.join(names::SKINS);
     let mut notes = Vec::new();

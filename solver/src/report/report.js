@@ -13,7 +13,7 @@ const colours = ["#0b6bcb", "#d9730d", "#2e7d32", "#7b3fa0", "#8a6d00", "#c2185b
 const units = {
   displacement: "length", reaction: "force", von_mises: "force / length²", contact_pressure: "force / length²", contact_gap: "length", contact_slip: "length", contact_friction: "force / length²",
 };
-const words = { von_mises: "von Mises stress", plastic_strain: "equivalent plastic strain", contact_pressure: "contact pressure", contact_gap: "contact gap", contact_slip: "way from the anchor", contact_friction: "friction traction", friction_status: "friction status (1 sticks, 2 slides)" };
+const words = { von_mises: "von Mises stress", plastic_strain: "equivalent plastic strain", contact_pressure: "contact pressure", contact_gap: "contact gap", contact_slip: "way from the anchor", contact_friction: "friction traction", contact_status: "contact status (0 no slave, 1 unpaired, 2 open, 3 closed, 4 failed)", friction_status: "friction status (1 sticks, 2 slides)" };
 const labelled = (name, axis) => `${words[name] || name}${axis ? ` ${axis}` : ""}${units[name] ? `, ${units[name]}` : ""}`;
 // Plots take names for markup.
 const plain = (text) => String(text).replaceAll("&", "&amp;").replaceAll("<", "&lt;");
@@ -177,7 +177,7 @@ function contact() {
 // Where a run that ended early got stuck.
 function failed() {
   const traces = failures.map((run, k) => ({
-    x: run.failed.residuals.map((_, i) => i), y: run.failed.residuals.map((r) => (r > 0 ? r : null)), name: plain(run.label), mode: "lines+markers", line: { color: colours[k % colours.length] },
+    x: run.failed.residuals.map((_, i) => run.failed.iterations[i] ?? i), y: run.failed.residuals.map((r) => (r > 0 ? r : null)), name: plain(run.label), mode: "lines+markers", line: { color: colours[k % colours.length] },
   }));
   element("failed-reason").textContent = failures.map((run) => `${run.label}: from ${precise(run.failed.time - run.failed.length)} to ${precise(run.failed.time)}: ${run.failed.reason}`).join(" · ");
   const point = (x) => `(${x.map(precise).join(", ")})`;
@@ -185,7 +185,7 @@ function failed() {
     ["part", "node", "position", "residual, force"],
     ...failures.flatMap((run) => run.failed.worst.map((node) => [failures.length > 1 ? `${node.part} (${run.label})` : node.part, node.node, point(node.position), point(node.residual)])),
   ]);
-  return draw("failed", traces, layout(traces, { text: "iteration", more: counted(traces) }, { text: "residual over forces", more: logarithmic(1) }));
+  return draw("failed", traces, layout(traces, { text: "linear solutions", more: counted(traces) }, { text: "residual over forces", more: logarithmic(1) }));
 }
 
 function iterations() {
@@ -201,9 +201,9 @@ function convergence() {
   const number = element("increment").value;
   element("increment-label").textContent = number;
   const traces = runs.map((run, k) => {
-    // The first residual is that before the prescribed nodes move.
-    const residuals = (run.residuals[number] || []).slice(1);
-    return { x: residuals.map((_, i) => i + 1), y: residuals.map((r) => (r > 0 ? r : null)), name: plain(run.label), mode: "lines+markers", line: { color: colours[k % colours.length] } };
+    // A round of augmentation begins with a second residual after as many solutions.
+    const residuals = run.residuals[number] || [];
+    return { x: residuals.map(([solutions]) => solutions), y: residuals.map(([, r]) => (r > 0 ? r : null)), name: plain(run.label), mode: "lines+markers", line: { color: colours[k % colours.length] } };
   });
   const x = { text: "linear solutions", more: counted(traces) };
   return draw("convergence", traces, layout(traces, x, { text: "residual over forces", more: logarithmic(2) }));
@@ -330,6 +330,9 @@ function shape() {
   const state = (k) => partStates.get(run.skin.names[run.skin.parts[k]]) || states[0];
   const faces = (deformable, wanted) => run.skin.faces.filter((face, k) => run.skin.parts[k] < run.skin.deformable === deformable && state(k) === wanted && isKept(face));
   const known = frame.fields[field];
+  // A gap is that of a slave with a contact element, open or closed; elsewhere there is a zero in the results. Old ones do not say.
+  const status = field === "contact_gap" && frame.fields.contact_status;
+  const hasValue = (k) => !status || status[k] === 2 || status[k] === 3;
   const values = known || points.map(() => 0);
   const range = run.frames.map((each) => each.fields[field]);
   const low = least(range.map((each) => least(each, 0)), 0);
@@ -337,20 +340,24 @@ function shape() {
   const common = { x: points.map((p) => p[0]), y: points.map((p) => p[1]), z: points.map((p) => p[2]), type: "mesh3d", hoverinfo: "text", flatshading: true, lighting: { ambient: 0.75, diffuse: 0.5, specular: 0.05 } };
   const coloured = (list, more) => Object.assign({}, common, triangles(list), {
     intensity: values, cmin: low, cmax: high > low ? high : low + 1, colorscale: "Viridis", colorbar: scaleBar("shape", labelled(field)),
-    text: values.map((value, k) => `node ${run.skin.nodes[k]}<br>${words[field] || field} ${precise(value)}`),
+    text: values.map((value, k) => `node ${run.skin.nodes[k]}<br>${words[field] || field} ${hasValue(k) ? precise(value) : "none"}`),
   }, more);
   const solid = faces(true, "shown");
-  const traces = [coloured(solid, {})];
+  const isColoured = (face) => face.every(hasValue);
+  const traces = [coloured(solid.filter(isColoured), {})];
   const add = (list, more) => { if (list.length > 0) traces.push(Object.assign({}, common, triangles(list), { hoverinfo: "skip" }, more)); };
   const faded = faces(true, "faded");
-  if (faded.length > 0) traces.push(coloured(faded, { opacity: 0.25, showscale: false }));
+  if (faded.some(isColoured)) traces.push(coloured(faded.filter(isColoured), { opacity: 0.25, showscale: false }));
+  const isPlain = (face) => !isColoured(face);
+  add(solid.filter(isPlain), { color: "#e3e7ea" });
+  add(faded.filter(isPlain), { color: "#e3e7ea", opacity: 0.25 });
   add(faces(false, "shown"), { color: "#b8c4ce", opacity: 0.6 });
   add(faces(false, "faded"), { color: "#b8c4ce", opacity: 0.15 });
   if (element("edges").checked) {
     const visible = run.skin.faces.filter((face, k) => state(k) !== "hidden" && isKept(face));
     traces.push(Object.assign({ type: "scatter3d", mode: "lines", line: { color: "#33414d", width: 1.5 }, hoverinfo: "skip" }, outline(visible, points)));
   }
-  const corners = [...new Set(solid.flat())];
+  const corners = [...new Set(solid.flat())].filter(hasValue);
   const at = (k) => `${precise(values[k])} at node ${run.skin.nodes[k]} (${points[k].map(precise).join(", ")})`;
   const lowest = corners.reduce((a, b) => (values[b] < values[a] ? b : a), corners[0]);
   const highest = corners.reduce((a, b) => (values[b] > values[a] ? b : a), corners[0]);

@@ -18,7 +18,7 @@ pub struct StudyArguments {
 /// The studies.
 #[derive(Subcommand, Clone, Debug)]
 pub enum Study {
-    /// Error of gap and normal on meshes of a cylinder, a sphere and a torus, with the observed orders.
+    /// Error of gap and normal on meshes of a cylinder, a sphere and a torus, with the observed orders, and all over whole bodies.
     Accuracy(AccuracyArguments),
     /// Masters of a slave, conditioning and error of its fit on regular, irregular, stretched and graded meshes.
     Domains(DomainsArguments),

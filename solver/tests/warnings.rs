@@ -127,6 +127,51 @@ fn an_interface_that_never_carries_force_is_named() {
     assert!(none.interfaces_without_force.is_empty(), "there is none");
 }
 
+/// Nothing holds the plate along z: where the ball touches it there is noise.
+#[test]
+fn forces_of_noise_are_none() {
+    let deck = r#"
+[materials.steel]
+young = 210000.0
+poisson = 0.3
+
+[parts.ball]
+shape = "sphere"
+radius = 5.0
+keep = ["z-"]
+divisions = [2, 2]
+material = "steel"
+translate = [0.0, 0.0, 5.0]
+
+[parts.plate]
+shape = "plate"
+origin = [-8.0, -8.0, -3.0]
+size = [16.0, 16.0, 3.0]
+divisions = [8, 8, 1]
+material = "steel"
+
+[[boundary]]
+nodes = "plate"
+fix = ["x", "y"]
+
+[[boundary]]
+nodes = "ball.z0"
+translate = [0.0, 0.0, -0.1]
+
+[[interface]]
+name = "ball on plate"
+master = "plate.z+"
+slave = "ball.outer"
+
+[time]
+increment = 0.25
+"#;
+    let scratch = Scratch::new("noise");
+    let (_, summary) = run(&scratch, deck, false, None);
+    assert_eq!(summary.interfaces_without_force, ["ball on plate"], "{:?}", summary.contact_force);
+    assert!(summary.warnings.iter().any(|warning| warning.contains("never carried force")));
+}
+
 /// The report shows each master once, in two passes both sides, and none where there is no contact.
 #[test]
 fn every_master_has_a_sampled_surface() {

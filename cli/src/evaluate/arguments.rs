@@ -62,7 +62,7 @@ pub struct EvaluateArguments {
     #[arg(value_name = "IN.json")]
     pub input: PathBuf,
     /// File to write [default: standard output]
-    #[arg(short, long, value_name = "OUT.json")]
+    #[arg(short, long, visible_alias = "out", value_name = "OUT.json")]
     pub output: Option<PathBuf>,
     /// What computes the derivatives
     #[arg(long, value_enum, default_value_t = BackendKind::Generated)]

@@ -20,7 +20,7 @@ pub struct SurfaceArguments {
     #[command(flatten)]
     pub sets: SetArguments,
     /// VTU file to write: the slave surface with gap, normal, foot and outcome of every node
-    #[arg(short, long, value_name = "OUT.vtu")]
+    #[arg(short, long, visible_alias = "out", value_name = "OUT.vtu")]
     pub output: PathBuf,
     /// The element.
     #[command(flatten)]

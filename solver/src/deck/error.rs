@@ -173,6 +173,18 @@ pub enum Problem {
         /// Line of the other.
         other: usize,
     },
+    /// A side of an interface that is a set without facets.
+    #[error(
+        "{name:?} is a set of {nodes} nodes and has no facets: the sides of an interface are surfaces, in `.inp` files those of \
+         `*SURFACE, TYPE=ELEMENT`",
+        name = shown(name)
+    )]
+    NoFacets {
+        /// The name.
+        name: String,
+        /// How many.
+        nodes: usize,
+    },
     /// A name of nothing.
     #[error("no {what} is named {name:?}{}; there {}", did_you_mean(nearest), all(known, what), name = shown(name))]
     UnknownName {

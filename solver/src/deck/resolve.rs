@@ -169,6 +169,13 @@ impl Deck {
                 let problem = Problem::InnerFacets { name: name.name.clone(), inner, count };
                 return Err(self.error(name.line, problem));
             }
+            let is_known =
+                model.surfaces.contains_key(&name.name) || alike(&model.surfaces, &name.name).is_some();
+            let nodes = model.node_sets.get(&name.name).or_else(|| alike(&model.node_sets, &name.name));
+            if let (false, Some(nodes)) = (is_known, nodes) {
+                let problem = Problem::NoFacets { name: name.name.clone(), nodes: nodes.len() };
+                return Err(self.error(name.line, problem));
+            }
             let surface = self.find(&model.surfaces, "surface", name)?;
             facets.extend(surface.iter().filter(|&&facet| known.insert(facet)));
         }

@@ -330,7 +330,7 @@ impl<'a> Recorder<'a> {
         let is_shown = record.number.is_multiple_of(self.options.output.every);
         let pending = (!is_shown).then(|| SlaveFields::of(&fields));
         let mut carried = self.carried.clone();
-        carried.extend(carrying(problem));
+        carried.extend(carrying(record, problem));
         let mut vanished = self.vanished.clone();
         for (interface, _) in &record.vanished {
             vanished.entry(interface.clone()).or_insert(record.time);
@@ -407,10 +407,13 @@ impl<'a> Recorder<'a> {
 }
 
 /// Names of the interfaces with a contact that carries force at the last evaluation.
-fn carrying(problem: &Problem) -> impl Iterator<Item = String> {
-    let interactions = problem.contacts().interactions().iter();
-    let loaded = interactions.filter(|interaction| interaction.slaves().any(|slave| slave.force > 0.0));
-    loaded.map(|interaction| interaction.options().name.clone())
+fn carrying(record: &IncrementRecord, problem: &Problem) -> impl Iterator<Item = String> {
+    // Forces below what equilibrium is known to are none: a body that nothing holds has such ones where it touches.
+    let known = record.history.last().map_or(0.0, |last| last.residual.max(last.allowed));
+    let noise = known * (record.active.max(1) as f64).sqrt();
+    let interactions = problem.contacts().interactions().iter().zip(&record.contacts);
+    let loaded = interactions.filter(move |(_, exerted)| exerted.normal + exerted.friction > noise);
+    loaded.map(|(interaction, _)| interaction.options().name.clone())
 }
 
 /// Name of the file of the skin, in the folder of skins.

@@ -58,7 +58,7 @@ pub struct Summary {
     /// The most memory of matrix, preconditioner and vectors of an iterative linear solution in the last run, bytes; 0 if there was none.
     #[serde(default)]
     pub linear_bytes: usize,
-    /// Interfaces that carried no force at the end of any increment.
+    /// Interfaces that carried no force, above what equilibrium is known to, at the end of any increment.
     #[serde(default)]
     pub interfaces_without_force: Vec<String>,
     /// Interfaces whose force vanished although slaves that carried it have not risen from their masters, with the time of the first such

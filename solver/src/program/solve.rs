@@ -74,7 +74,7 @@ pub struct ReportArguments {
     #[arg(required = true, value_name = "DIR")]
     pub directories: Vec<PathBuf>,
     /// Page to write
-    #[arg(short, long, value_name = "OUT.html", default_value = "report.html")]
+    #[arg(short, long, visible_alias = "out", value_name = "OUT.html", default_value = "report.html")]
     pub output: PathBuf,
 }
 

@@ -226,7 +226,14 @@ impl Solid {
             let is_one = pieces.len() == 1;
             parts.extend(pieces.into_iter().map(|nodes| {
                 let name = body.name.clone();
-                (if is_one { name } else { format!("{name}, the piece of node {}", nodes[0]) }, nodes)
+                (
+                    if is_one {
+                        name
+                    } else {
+                        format!("{name}, the piece of node {} of the results", nodes[0])
+                    },
+                    nodes,
+                )
             }));
         }
         parts

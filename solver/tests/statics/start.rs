@@ -240,7 +240,7 @@ fn pieces_of_a_part_are_told_apart() {
     };
     std::fs::remove_dir_all(&directory).unwrap();
     assert_eq!((loose.len(), loose[0].motions.len()), (1, 6));
-    assert_eq!(loose[0].parts, ["two, the piece of node 8"]);
+    assert_eq!(loose[0].parts, ["two, the piece of node 8 of the results"]);
 }
 
 /// Points are told in digits of the model, whatever its unit of length.

@@ -150,6 +150,18 @@ fn with_friction<'a>(
     all.filter(|(interaction, _)| interaction.options().friction.is_some())
 }
 
+/// Increments that ended with a residual above what the tolerances allow in any of them, which rounding of the positions explains.
+pub(super) fn rounded(history: &History, iterations: &History) -> usize {
+    let of = |row: &HistoryRow, column: &str| iterations.value(row, column);
+    let allowed = iterations.rows.iter().map(|row| of(row, "allowed")).fold(0.0, f64::max);
+    // The last line of an increment is the one that counts.
+    let residuals: BTreeMap<usize, f64> =
+        iterations.rows.iter().map(|row| (row.increment, of(row, "residual"))).collect();
+    let is_rounded = |row: &&HistoryRow| history.value(row, "rounded") > 0.0;
+    let above = |row: &&HistoryRow| residuals.get(&row.increment).is_some_and(|&residual| residual > allowed);
+    history.rows.iter().filter(is_rounded).filter(above).count()
+}
+
 /// Friction at the end of the last line, of each interaction that has any.
 pub(super) fn last_friction(history: &History, problem: &Problem) -> BTreeMap<String, FrictionSummary> {
     let columns = interface_columns(problem);

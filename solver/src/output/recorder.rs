@@ -18,9 +18,8 @@ use crate::statics::{
 };
 
 /// Columns of the history whose sums are in the summary.
-const SUMS: [&str; 9] = [
+const SUMS: [&str; 8] = [
     "short",
-    "rounded",
     "lost",
     "missed",
     "unanchored",
@@ -269,7 +268,6 @@ impl<'a> Recorder<'a> {
         summary.max_penetration_ever = self.max_penetration_ever;
         [
             summary.augmentations_short,
-            summary.increments_rounded,
             summary.contacts_lost,
             summary.points_missed,
             summary.slaves_unanchored,
@@ -288,6 +286,8 @@ impl<'a> Recorder<'a> {
         summary.interfaces.clone_from(&self.beginnings);
         let history = super::read_history(&self.directory.path(names::HISTORY))?;
         summary.friction = history::last_friction(&history, problem);
+        let iterations = super::read_history(&self.directory.path(names::ITERATIONS))?;
+        summary.increments_rounded = history::rounded(&history, &iterations);
         summary.fallbacks.clone_from(&self.fallbacks);
         let at_start = self.beginnings.iter().flat_map(Beginning::warnings);
         summary.warnings = at_start.chain(summary.shortcomings()).collect();
@@ -358,7 +358,6 @@ impl<'a> Recorder<'a> {
         self.max_penetration_ever = self.max_penetration_ever.max(record.max_penetration);
         let own = [
             usize::from(record.is_short),
-            usize::from(record.is_rounded()),
             record.lost,
             record.missed,
             record.unanchored(),

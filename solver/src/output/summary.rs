@@ -31,7 +31,8 @@ pub struct Summary {
     /// Increments whose rounds of augmentation were over before the gaps were within the tolerance.
     #[serde(default)]
     pub augmentations_short: usize,
-    /// Increments whose last residual is small enough only since rounding of the positions explains the rest.
+    /// Increments whose last residual is above what the tolerances allow in any increment, and small enough only since rounding of the
+    /// positions explains the rest.
     #[serde(default)]
     pub increments_rounded: usize,
     /// Contacts that carried force and ended an increment without an element, and slaves that went through their masters in one.

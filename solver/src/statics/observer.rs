@@ -93,9 +93,6 @@ impl IterationRecord {
     }
 }
 
-/// A force is far above a residual from this ratio on.
-const FAR_ABOVE: f64 = 100.0;
-
 /// A converged increment.
 #[derive(Clone, Debug, PartialEq)]
 pub struct IncrementRecord {
@@ -144,13 +141,10 @@ pub struct IncrementRecord {
 }
 
 impl IncrementRecord {
-    /// Whether it ended with a residual that is small enough only by rounding of the positions, though some force is far above it. Where
-    /// nothing carries force there are none but those of rounding.
+    /// Whether it ended with a residual that is small enough only by rounding of the positions.
     #[must_use]
     pub fn is_rounded(&self) -> bool {
-        let reactions = self.reactions.as_flattened().iter().map(|force| force.abs());
-        let largest = self.contacts.iter().map(|exerted| exerted.normal).chain(reactions).fold(0.0, f64::max);
-        self.history.last().is_some_and(|last| last.is_rounded() && largest > FAR_ABOVE * last.residual)
+        self.history.last().is_some_and(IterationRecord::is_rounded)
     }
 
     /// Slaves that carry force without friction although their interaction has it: they had no gap at the end of the increment before.

@@ -99,7 +99,7 @@ impl Surfaces {
             ),
             SurfaceError::InconsistentOrientation { nodes: [a, b], facets: [one, two] } => format!(
                 "facets {} and {} run through the edge from node {} to node {} in the same direction: one of them is \
-                 flipped",
+                 flipped, or there twice",
                 numbered(one),
                 numbered(two),
                 tag(a),

@@ -85,7 +85,7 @@ pub enum SurfaceError {
         facets: [usize; 3],
     },
     /// Two facets run through their common edge in the same direction: one of them shows its inside.
-    #[error("facets {facets:?} run through the edge from node {} to node {} in the same direction: one is flipped", nodes[0], nodes[1])]
+    #[error("facets {facets:?} run through the edge from node {} to node {} in the same direction: one is flipped, or there twice", nodes[0], nodes[1])]
     InconsistentOrientation {
         /// The facets.
         facets: [usize; 2],

@@ -193,12 +193,12 @@ impl Watcher for Progress {
         let IterationRecord { time, iteration, relative, active, step, .. } = record;
         let time = ShownTime(*time);
         if self.verbose {
-            let line = format!("  time {time:<8}  iteration {iteration:2}  residual {relative:.3e}");
+            let line = format!("  time {time:<8}  iteration {iteration:2}  relative residual {relative:.3e}");
             say(&format!("{line}  contacts {active}  step {step:.3}"));
         } else if stderr().is_terminal() {
             let _ = write!(
                 stderr().lock(),
-                "\r  time {time:<8}  iteration {iteration:2}  residual {relative:.3e}\x1b[K"
+                "\r  time {time:<8}  iteration {iteration:2}  relative residual {relative:.3e}\x1b[K"
             );
         }
     }

@@ -119,6 +119,39 @@ fn both_sides_of_a_thin_plate_are_told_apart() {
     }
 }
 
+/// A node on a sharp edge has a domain of its own in each sheet: over a face all is as if there were no others.
+#[test]
+fn a_face_of_a_body_has_the_bits_of_the_face_alone() {
+    let mut body = Mesh::block([10, 8, 1], [5.0, 4.0, 0.3]);
+    let is_above: Vec<bool> = body.positions.iter().map(|x| x[2] > 0.0).collect();
+    let wave = |x: f64, y: f64| 0.3 * (0.6 * x).sin() * (0.4 * y).cos();
+    for x in &mut body.positions {
+        x[2] += wave(x[0], x[1]);
+    }
+    let above = |facet: &&Facet| facet.corners().iter().all(|&node| is_above[node]);
+    let facets = body.facets.iter().filter(above).copied().collect();
+    let face = Mesh { positions: body.positions.clone(), facets };
+    let mut random = Uniform(5);
+    let slaves: Vec<Point> = (0..300)
+        .map(|_| {
+            let (x, y) = (4.9 * random.signed(), 3.9 * random.signed());
+            [x, y, 0.35 + wave(x, y) + 0.1 * random.next()]
+        })
+        .collect();
+    let [of_body, of_face] = [&body, &face].map(|mesh| {
+        let mut scene = mesh.paired(&slaves, InterfaceOptions::default());
+        let contacts = scene.interface.evaluate(Mode::Hessian).unwrap();
+        let bits = |numbers: &[f64]| numbers.iter().map(|x| x.to_bits()).collect::<Vec<u64>>();
+        let numbers = contacts.iter().map(|contact| {
+            assert!(contact.outcome.is_contact(), "{:?}", contact.outcome);
+            let point = [&[contact.point.gap], &contact.point.normal[..]].concat();
+            (contact.nodes.to_vec(), bits(&point), bits(contact.gradient), bits(contact.hessian))
+        });
+        numbers.collect::<Vec<_>>()
+    });
+    assert!(of_body == of_face);
+}
+
 /// A shallow bowl, z = (x² + y²)/40, and its unit normal.
 fn bowl(x: f64, y: f64) -> (Point, Point) {
     let length = (1.0 + (x * x + y * y) / 400.0).sqrt();

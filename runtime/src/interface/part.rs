@@ -35,7 +35,8 @@ pub struct PartFacets<'a> {
 pub struct PartDemands {
     /// Nodes, ascending, each as often as sheets meet in it, …
     pub nodes: Vec<u64>,
-    /// … and the factors of their domains there: the largest of all ranks is that of the sheet's node. In the second round those by which domains shrink.
+    /// … and the factors of their domains there: the largest of all ranks is that of the sheet's node. In the second round those by which
+    /// domains shrink.
     pub factors: Vec<f64>,
     /// … and, in the second round, whether any place has so many masters that this domain may shrink, 1 or 0; 0 in the first.
     pub crowded: Vec<u8>,
@@ -62,6 +63,7 @@ pub struct SurfacePart {
     nodes: SheetNodes,
     /// By sheet node.
     cells: Vec<MaterialDomain>,
+    /// First positions, by place.
     first: Vec<Point>,
     /// Places of the own facets.
     own: Vec<u32>,
@@ -337,11 +339,11 @@ impl SurfacePart {
 
     /// Adds nodes with their factors, of all sheets where there is one of any.
     fn ask(&self, all: &mut PartDemands, factors: &[f64], is_crowded: impl Fn(usize) -> bool) {
-        let places = self.nodes.places();
-        for own in (0..places.len()).collect::<Vec<_>>().chunk_by(|&one, &two| places[one] == places[two]) {
-            if own.iter().any(|&node| factors[node] > 0.0) {
-                for &node in own {
-                    all.nodes.push(self.node_numbers[places[node] as usize]);
+        for (place, &number) in (0..).zip(&self.node_numbers) {
+            let own = self.nodes.at_place(place).map(|node| node as usize);
+            if own.clone().any(|node| factors[node] > 0.0) {
+                for node in own {
+                    all.nodes.push(number);
                     all.factors.push(factors[node]);
                     all.crowded.push(u8::from(is_crowded(node)));
                 }
@@ -349,7 +351,8 @@ impl SurfacePart {
         }
     }
 
-    /// The own sheet nodes that another part asks for, each with its place there.
+    /// The own sheet nodes that another part asks for, each with its place there. Sheets of a node are in the order of their facets, the same
+    /// wherever all of these are known; what has nodes within reach of which some are not is open.
     fn asked(&self, other: &PartDemands) -> impl Iterator<Item = (usize, usize)> {
         let same = other.nodes.chunk_by(|one, two| one == two);
         let starts = same.scan(0, |end, numbers| {
@@ -408,12 +411,11 @@ impl SurfacePart {
             }
         }
         let domains = grown(&self.cells, &factors);
-        let own = (&self.own[..], (&bases[..], self.setup.weight));
+        let fits = (&bases[..], self.setup.weight);
         let (lists, open, ratios) = self.with_sheets(|sheets| {
-            let (facets, fits) = own;
-            let (lists, open) = sheets.lists(&domains, facets);
+            let (lists, open) = sheets.lists(&domains, &self.own);
             // Other parts' places may crowd any node.
-            let ratios = sheets.ratios(&domains, fits, (facets, &lists), |_| true);
+            let ratios = sheets.ratios(&domains, fits, (&self.own, &lists), |_| true);
             (lists, open, ratios)
         })?;
         self.check_width(&open)?;

@@ -100,6 +100,9 @@ impl NearestNodes {
 pub struct Pairing {
     /// Indices of the master nodes, nearest first.
     pub masters: Vec<usize>,
+    /// Of an auxiliary point, which lies on the line through its master node and another one, that one and its part of the point; of others
+    /// the master node itself and 0. Empty if all points are nodes, or images of nodes.
+    pub others: Vec<(usize, f64)>,
     /// Their positions when they were paired.
     pub positions: Vec<Point>,
     /// Average plane of the masters, n̂ outward.

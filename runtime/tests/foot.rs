@@ -61,7 +61,7 @@ fn check(scene: &mut Scene, what: &str) {
     for (k, foot) in present.iter().step_by(40) {
         let Ok(PairedElement::Diffuse { slave, pairing }) = scene.interface.element(*k) else { continue };
         let expected = Ad.foot_derivatives(&pairing.element(slave)).unwrap();
-        // Images of a node have its number.
+        // Images and auxiliary points have the numbers of their nodes.
         let is_image = |place: usize| scene.positions[pairing.masters[place]] != pairing.positions[place];
         if (0..pairing.masters.len()).any(is_image) {
             continue;
@@ -99,6 +99,13 @@ fn derivatives_at_the_feet_are_differences_and_those_of_automatic_differentiatio
 #[test]
 fn images_give_their_part_to_their_nodes() {
     check(&mut quarter(Weight::Cubic), "a quarter");
+}
+
+#[cfg(feature = "ad")]
+#[test]
+fn auxiliary_points_give_their_part_to_their_nodes() {
+    check(&mut crate::strips::quarter(Weight::Cubic, 0.4), "a rim");
+    check(&mut crate::strips::quarter(Weight::Cubic, 0.05), "a narrow rim");
 }
 
 #[test]

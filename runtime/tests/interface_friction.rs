@@ -58,9 +58,32 @@ impl Pressed {
         let slaves: Vec<Point> = [(1.7, 2.2), (3.1, 4.4), (4.6, 3.3), (6.2, 5.7), (0.3, 3.4)]
             .map(|(x, y)| [x, y, wave(x, y) - DEPTH])
             .to_vec();
+        Self::over(&mesh, &slaves, coefficient, element, planes)
+    }
+
+    /// Slaves over one row of cells, whose fits take the middles between its nodes too.
+    fn on_strip(coefficient: f64, weight: Weight) -> Self {
+        let element = ContactElement::diffuse(SearchOptions::domains()).with_weight(weight);
+        let mesh = Mesh::grid([9, 2], [false; 2], |s, t| {
+            let (x, y) = (8.0 * s, 2.0 * t);
+            [x + 0.1 * (5.0 * x + y).sin(), y, wave(x, y)]
+        });
+        let slaves: Vec<Point> = [(1.7, 0.4), (3.1, 1.6), (4.6, 1.0), (6.2, 0.7)]
+            .map(|(x, y)| [x, y, wave(x, y) - 2.0 * DEPTH])
+            .to_vec();
+        Self::over(&mesh, &slaves, coefficient, element, &[])
+    }
+
+    fn over(
+        mesh: &Mesh,
+        slaves: &[Point],
+        coefficient: f64,
+        element: ContactElement,
+        planes: &[SymmetryPlane],
+    ) -> Self {
         let mut positions = mesh.positions.clone();
         let first = positions.len();
-        positions.extend(&slaves);
+        positions.extend(slaves);
         let options = InterfaceOptions::default().with_element(element);
         let slaves: Vec<usize> = (first..positions.len()).collect();
         let mut interface =
@@ -95,7 +118,7 @@ impl Pressed {
     /// Moves all slaves, and the masters by what makes the surface another one.
     fn slide_and_deform(&mut self, step: Point) {
         let mut random = Uniform(11);
-        for x in &mut self.positions[..81] {
+        for x in &mut self.positions[..self.slaves[0]] {
             *x = x.map(|x| x + 0.002 * random.signed());
         }
         self.slide(step);
@@ -190,6 +213,11 @@ fn the_tangent_is_the_derivative_of_the_forces() {
         pressed.slide([2e-4, 1e-4, -2.0 * DEPTH]);
         assert_tangent(&mut pressed, false);
     }
+    for (weight, coefficient) in Weight::ALL.into_iter().flat_map(|weight| [(weight, 30.0), (weight, 0.1)]) {
+        let mut pressed = Pressed::on_strip(coefficient, weight);
+        pressed.slide_and_deform([0.03, 0.02, 0.001]);
+        assert_tangent(&mut pressed, coefficient == 30.0);
+    }
 }
 
 /// The tangent against central differences of the forces along a direction of all coordinates, and whether it is symmetric.
@@ -222,6 +250,9 @@ fn assert_tangent(pressed: &mut Pressed, is_symmetric: bool) {
 fn forces_and_moments_balance_and_friction_has_an_effect() {
     let mut pressed = Pressed::new(0.1, Weight::Cubic, &[]);
     pressed.slide_far();
+    assert_balance(&mut pressed);
+    let mut pressed = Pressed::on_strip(0.1, Weight::Cubic);
+    pressed.slide_and_deform([0.03, 0.02, 0.001]);
     assert_balance(&mut pressed);
     let mut pressed = Pressed::new(0.1, Weight::Cubic, &[]);
     pressed.slide_and_deform([0.03, 0.02, 0.001]);

@@ -8,6 +8,7 @@ use diffuse_contact::interface::{
     PairedElement, RefreshReport,
 };
 use diffuse_contact::neighbourhood::{NeighbourRule, SearchOptions};
+use diffuse_contact::pairing::Pairing;
 use diffuse_contact::surface::{Facet, MasterSurface, SurfaceError};
 use diffuse_contact::{
     Backend, ContactPoint, Element, ElementError, FacetElement, Frame, FrameDerivative, Gap, Generated, Mode,
@@ -249,7 +250,7 @@ fn confirmed_by_ad(element: &PairedElement, contact: &ContactRef<'_>) {
             }
             let error = foot_error(&element, &contact.point);
             assert!(error < 1e-9, "{error:e} {contact:?}");
-            let expected = Ad.gap(&element, mode).map(|gap| of_listed(gap, &pairing.masters, contact.nodes));
+            let expected = Ad.gap(&element, mode).map(|gap| of_listed(gap, pairing, contact.nodes));
             (expected, size)
         }
         PairedElement::Facet { slave, corners } => {
@@ -279,26 +280,34 @@ fn confirmed_by_ad(element: &PairedElement, contact: &ContactRef<'_>) {
     assert!(gap < 1e-9 && n < 1e-9 && m < 1e-9, "{gap:e} {n:e} {m:e} {element:?}");
 }
 
-/// The derivatives by an element's masters as those by all that are listed: zero by the others.
-fn of_listed(mut gap: Gap, masters: &[usize], listed: &[u32]) -> Gap {
-    let place = |own: usize| match own.checked_sub(1) {
-        None => 0,
-        Some(own) => {
-            1 + listed.iter().position(|&node| node as usize == masters[own]).expect("a listed master")
+/// The derivatives by an element's points as those by all nodes that are listed: zero by the others, parts of those by auxiliary points.
+pub(crate) fn of_listed(mut gap: Gap, pairing: &Pairing, listed: &[u32]) -> Gap {
+    let place =
+        |node: usize| 1 + listed.iter().position(|&own| own as usize == node).expect("a listed master");
+    // Of each coordinate of the element those that carry it, with their parts.
+    let rows = |own: usize| match (own / 3).checked_sub(1) {
+        None => vec![(own, 1.0)],
+        Some(point) => {
+            let master = pairing.masters[point];
+            let (other, part) = pairing.others.get(point).copied().unwrap_or((master, 0.0));
+            let both = [(master, 1.0 - part), (other, part)].into_iter().filter(|(_, part)| *part != 0.0);
+            both.map(|(node, part)| (3 * place(node) + own % 3, part)).collect()
         }
     };
-    let row = |own: usize| 3 * place(own / 3) + own % 3;
     let freedoms = 3 * (listed.len() + 1);
     let mut gradient = vec![0.0; freedoms];
     for (own, &n) in gap.gradient.iter().enumerate() {
-        gradient[row(own)] = n;
+        rows(own).iter().for_each(|&(row, part)| gradient[row] += part * n);
     }
     let has_hessian = !gap.hessian.packed().is_empty();
     let mut hessian = SymmetricMatrix::zeros(if has_hessian { freedoms } else { 0 });
     for i in (0..gap.gradient.len()).filter(|_| has_hessian) {
-        for j in 0..=i {
-            let (high, low) = (row(i).max(row(j)), row(i).min(row(j)));
-            hessian.packed_mut()[high * (high + 1) / 2 + low] = gap.hessian.get(i, j);
+        for (j, (row, part)) in
+            (0..gap.gradient.len()).flat_map(|j| rows(i).into_iter().map(move |row| (j, row)))
+        {
+            for (column, other) in rows(j).into_iter().filter(|&(column, _)| column <= row) {
+                hessian.packed_mut()[row * (row + 1) / 2 + column] += part * other * gap.hessian.get(i, j);
+            }
         }
     }
     (gap.gradient, gap.hessian) = (gradient, hessian);

@@ -31,5 +31,7 @@ mod refused_friction;
 mod self_contact;
 mod self_contact_faces;
 mod sheets;
+#[cfg(feature = "ad")]
+mod strips;
 mod surface;
 mod windows;

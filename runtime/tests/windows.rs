@@ -54,6 +54,20 @@ impl Case {
         Self { mesh, slaves, planes: planes.to_vec(), options }
     }
 
+    /// One row of cells, 40 × 1.5.
+    fn strip() -> Self {
+        let mut random = Uniform(7);
+        let height = |x: f64| 0.4 * (0.6 * x).sin();
+        let slave = |_: i32| {
+            let (x, y) = (40.0 * random.next(), 1.5 * random.next());
+            [x, y, height(x) + 0.2 * random.signed()]
+        };
+        let slaves = (0..120).map(slave).collect();
+        let place = |s: f64, t: f64| [40.0 * s, 1.5 * t, height(40.0 * s)];
+        let options = InterfaceOptions::default().with_distance_limit(Some(LIMIT));
+        Self { mesh: Mesh::grid([41, 2], [false; 2], place), slaves, planes: Vec::new(), options }
+    }
+
     fn whole(&self) -> Scene {
         let mut scene = self.mesh.scene(&self.slaves, self.options);
         scene.interface.set_symmetry(&self.planes).unwrap();
@@ -164,13 +178,7 @@ fn any_partition_of_the_slaves_has_the_bits_of_the_whole() {
             for (partitioner, partition) in partitions(&case.slaves, parts).iter().enumerate() {
                 let mut facets = 0;
                 for slaves in partition {
-                    let own = chosen(&case.slaves, slaves);
-                    let boxes = boxes_around(&own, 1.01 * LIMIT, 6);
-                    let window = whole.interface.window(&boxes, 0.0).unwrap();
-                    let mut part = part(&window, &own, &whole.positions, case.options);
-                    part.interface.refresh_pairing(&part.positions).unwrap();
-                    part.interface.evaluate(Mode::Hessian).unwrap();
-                    assert_eq!(compare(&whole, &part, slaves), 0);
+                    let part = check_slaves(&case, &whole, slaves);
                     facets += part.window.facets().len();
                     assert!(part.interface.master().border_edges().count() <= 50);
                 }
@@ -179,6 +187,43 @@ fn any_partition_of_the_slaves_has_the_bits_of_the_whole() {
             }
         }
     }
+}
+
+/// One row of cells has auxiliary points between its nodes.
+#[test]
+fn slaves_of_a_strip_have_the_bits_of_the_whole() {
+    let case = Case::strip();
+    let whole = case.whole();
+    let contacts = whole.interface.contacts().iter().filter(|contact| contact.outcome.is_contact()).count();
+    assert!(contacts > 80, "{contacts}");
+    for partition in partitions(&case.slaves, 4) {
+        partition.iter().for_each(|slaves| drop(check_slaves(&case, &whole, slaves)));
+    }
+    // Auxiliary points are ascending, and have ends and a kind.
+    let window = whole.interface.window(&boxes_around(&case.slaves, 0.5, 1), 0.0).unwrap();
+    let (integers, reals) = window.to_numbers();
+    let first = 10 + (integers[5] + integers[6]) as usize;
+    assert!(integers[7] > 30, "{}", integers[7]);
+    let [from, to, kind] = [0, 1, 2].map(|k| integers[first + k]);
+    for (place, point) in
+        [(0, [to, from, kind]), (0, [from, to, 2]), (1, [0, 1, 0]), (2, [3, integers[6], 0])]
+    {
+        let mut wrong = integers.clone();
+        wrong[first + 3 * place..][..3].copy_from_slice(&point);
+        let error = WindowError::Invalid { what: "auxiliary point", place };
+        assert_eq!(Window::from_numbers(&wrong, &reals), Err(error));
+    }
+}
+
+/// The slaves of a part, which have the results of the whole.
+fn check_slaves(case: &Case, whole: &Scene, slaves: &[usize]) -> Part {
+    let own = chosen(&case.slaves, slaves);
+    let window = whole.interface.window(&boxes_around(&own, 1.01 * LIMIT, 6), 0.0).unwrap();
+    let mut part = part(&window, &own, &whole.positions, case.options);
+    part.interface.refresh_pairing(&part.positions).unwrap();
+    part.interface.evaluate(Mode::Hessian).unwrap();
+    assert_eq!(compare(whole, &part, slaves), 0);
+    part
 }
 
 #[test]
@@ -390,10 +435,10 @@ fn windows_of_one_surface_join_and_others_are_refused() {
     let nodes = integers[5] as usize;
     assert_eq!(integers[5], integers[6], "no sharp edge");
     let mut wrong = integers.clone();
-    wrong[9 + nodes + 1] = 2;
+    wrong[10 + nodes + 1] = 2;
     let missed = WindowError::Invalid { what: "sheet node", place: 1 };
     assert_eq!(Window::from_numbers(&wrong, &reals), Err(missed));
-    integers[9] = integers[10];
+    integers[10] = integers[11];
     assert_eq!(Window::from_numbers(&integers, &reals), Err(WindowError::Invalid { what: "node", place: 1 }),);
     // A window is for the options that it was made with, and the whole cannot be had from it.
     let mut part = part(&one, &case.slaves[..1], &whole.positions, case.options);
@@ -479,6 +524,25 @@ fn windows_of_parts_are_those_of_the_whole() {
         [x + 0.2 * (3.0 * x + y).sin() * (0.3 * x).sin(), y, 0.5 * height(0.6 * x, y)]
     };
     let mesh = Mesh::grid([41, 6], [false; 2], wide);
+    check_parts(&mesh, [0, 130, 200]);
+    let narrow = Rank::new(&mesh, &[100, 101], 1.5, |k| k as u64);
+    let extents = narrow.facets(Extents::NONE).own_extents().unwrap();
+    let error = SurfacePart::new(&narrow.facets(extents), &InterfaceOptions::default(), &[]).unwrap_err();
+    assert_eq!(error, InterfaceError::Window(WindowError::TooNarrow { count: 2, facet: 100 }));
+}
+
+/// One row of cells has auxiliary points between its nodes.
+#[test]
+fn windows_of_parts_of_a_strip_are_those_of_the_whole() {
+    let strip = |s: f64, t: f64| {
+        let (x, y) = (40.0 * s, 1.5 * t);
+        [x + 0.2 * (3.0 * x + y).sin() * (0.3 * x).sin(), y, 0.5 * height(0.6 * x, y)]
+    };
+    check_parts(&Mesh::grid([41, 2], [false; 2], strip), [0, 50, 70]);
+}
+
+/// `near`: nodes around which windows are cut.
+fn check_parts(mesh: &Mesh, near: [usize; 3]) {
     let middle = |facet: &Facet| mesh.positions[facet.corners()[0]];
     let middles: Vec<Point> = mesh.facets.iter().map(middle).collect();
     for planes in [vec![], vec![SymmetryPlane::across(1, [0.0; 3])]] {
@@ -489,12 +553,12 @@ fn windows_of_parts_are_those_of_the_whole() {
         let mut positions = whole.positions.clone();
         positions.iter_mut().for_each(|x| x[2] += 0.3 * x[0].sin());
         whole.interface.update(&positions).unwrap();
-        let boxes = boxes_around(&[positions[0], positions[130], positions[200]], 0.7, 3);
+        let boxes = boxes_around(&near.map(|node| positions[node]), 0.7, 3);
         let expected = whole.interface.window(&boxes, 0.05).unwrap();
         for partition in &partitions(&middles, 4) {
             // Strips are long: the longest domain that a walk meets says how far it goes.
             let ranks: Vec<Rank> =
-                partition.iter().map(|own| Rank::new(&mesh, own, 16.0, |k| k as u64)).collect();
+                partition.iter().map(|own| Rank::new(mesh, own, 16.0, |k| k as u64)).collect();
             let extents = ranks.iter().map(|rank| rank.facets(Extents::NONE).own_extents().unwrap());
             let extents = extents.fold(Extents::NONE, Extents::joined);
             let parts = ranks.iter().map(|rank| SurfacePart::new(&rank.facets(extents), &options, &planes));
@@ -516,10 +580,6 @@ fn windows_of_parts_are_those_of_the_whole() {
             let windows: Vec<Window> = windows.map(Result::unwrap).collect();
             assert_eq!(Window::joined(&windows).unwrap(), expected);
         }
-        let narrow = Rank::new(&mesh, &[100, 101], 1.5, |k| k as u64);
-        let extents = narrow.facets(Extents::NONE).own_extents().unwrap();
-        let error = SurfacePart::new(&narrow.facets(extents), &options, &[]).unwrap_err();
-        assert_eq!(error, InterfaceError::Window(WindowError::TooNarrow { count: 2, facet: 100 }));
     }
 }
 

@@ -196,6 +196,7 @@ impl TangentOperator {
         let part = |part: &Part| {
             8 * (part.gradients.capacity() + part.seconds.capacity() + part.images.capacity())
                 + 4 * part.nodes.capacity()
+                + size_of::<part::Role>() * part.roles.capacity()
                 + size_of::<Contact>() * part.contacts.capacity()
         };
         let nodes = self.nodes.capacity() + self.moves.capacity() + self.sums.capacity();

@@ -9,8 +9,7 @@ use super::carried::{Carried, direction_along};
 use super::cut::FacePoint;
 use super::quadratic::{Carrying, MOST_NODES};
 use super::skin::{Skin, SkinFace};
-use crate::affine::Carrier;
-use crate::interface::{ContactInterface, InterfaceError, back, reserve};
+use crate::interface::{ContactInterface, FitPoint, InterfaceError, back, reserve};
 use crate::surface::{Facet, Image, Shape};
 use crate::vector::Vector3;
 use crate::{Mode, Point};
@@ -37,9 +36,9 @@ pub struct FaceView<'a> {
 
 /// The contact of a point.
 pub struct PointContact<'a> {
-    /// Nodes of its element, or images of nodes.
-    pub carriers: &'a [Carrier],
-    /// N by the point and its carriers.
+    /// The points of its element.
+    pub points: &'a [FitPoint],
+    /// N by the point and these.
     pub gradient: &'a [f64],
     /// Derivatives of ∂g/∂x of the point by the same, three rows; empty below Hessian mode.
     pub slave_rows: &'a [f64],
@@ -90,8 +89,8 @@ fn place(list: &[u32], node: u32) -> usize {
 pub struct PointScratch<'a> {
     /// What each of the skin's carriers has of the point.
     weights: Vec<f64>,
-    /// The contact's carriers in the columns.
-    masters: Vec<Column<'a>>,
+    /// The nodes of the contact's points in the columns, with the point and the part that they have of it.
+    masters: Vec<(Column<'a>, usize, f64)>,
     /// ∂g/∂x by the columns that it depends on.
     gradient: Vec<(usize, Point)>,
     /// Face and facet that `over` belongs to.
@@ -115,12 +114,14 @@ impl<'a> PointScratch<'a> {
         // Nodes ascend as columns do, but for those of a facet by itself.
         let mut next = 0;
         self.masters.clear();
-        self.masters.extend(contact.carriers.iter().map(|&carrier| {
+        let parts =
+            (0..).zip(contact.points).flat_map(|(k, point)| point.carriers().map(move |part| (k, part)));
+        self.masters.extend(parts.map(|(k, (carrier, part))| {
             let node = carrier.node;
             let found = view.columns[next..].iter().position(|&column| column >= node);
             let at = found.map_or(0, |more| next + more);
             next = if view.columns[at] == node { at } else { place(view.columns, node) };
-            (next, view.interface.image_of(carrier))
+            ((next, view.interface.image_of(carrier)), k, part)
         }));
         let of = Some((view.face, point.facet));
         if self.of != of {
@@ -185,8 +186,8 @@ struct Columns<'a> {
     skin: &'a [Column<'a>],
     /// What each of them has of the point.
     weights: &'a [f64],
-    /// Of the contact's carriers.
-    masters: &'a [Column<'a>],
+    /// Of the nodes of the contact's points, with the point and their part of it.
+    masters: &'a [(Column<'a>, usize, f64)],
 }
 
 /// A force with its derivatives, and those of its line.
@@ -205,8 +206,8 @@ impl Columns<'_> {
         for (&(place, image), weight) in self.skin.iter().zip(self.weights) {
             f(place, back(image, own[0]).map(|value| weight * value));
         }
-        for (&(place, image), &value) in self.masters.iter().zip(&own[1..]) {
-            f(place, back(image, value));
+        for &((place, image), point, part) in self.masters {
+            f(place, back(image, own[point + 1]).map(|value| part * value));
         }
     }
 

@@ -246,7 +246,7 @@ impl FaceInterface {
         let found = self.interface.linearise_slaves(&present, second)?;
         let (mut own, mut rest) = (0, &found.points[..]);
         for contact in &found.contacts {
-            let (carriers, others) = rest.split_at(contact.points);
+            let (points, others) = rest.split_at(contact.points);
             rest = others;
             while !self.cuts[faces[own]].points.contains(&contact.index) {
                 own += 1;
@@ -256,10 +256,10 @@ impl FaceInterface {
                 blocks[own].missed += 1;
                 continue;
             }
-            let freedoms = 3 * (carriers.len() + 1);
+            let freedoms = 3 * (points.len() + 1);
             let rows = if second == Second::SlaveRows { 3 * freedoms } else { 0 };
             let by_contact = PointContact {
-                carriers,
+                points,
                 gradient: &found.gradients[contact.gradient..][..freedoms],
                 slave_rows: &found.seconds[contact.second_start..][..rows],
             };

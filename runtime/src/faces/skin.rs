@@ -247,7 +247,11 @@ fn weights_at(
     let coefficients = solve_for_first(matrix, size)?;
     let value = |row: &[f64; 6]| (0..size).map(|i| row[i] * coefficients[i]).sum::<f64>();
     let weights = rows.iter().zip(&weights).map(|(row, weight)| weight * value(row));
-    Some(points.carriers.iter().copied().zip(weights).collect())
+    let parts =
+        points.sources.iter().zip(weights).flat_map(|(point, weight)| {
+            point.carriers().map(move |(carrier, part)| (carrier, part * weight))
+        });
+    Some(parts.collect())
 }
 
 /// The first column of the inverse of a symmetric positive definite matrix, by Cholesky's factors.

@@ -321,10 +321,11 @@ impl Evaluator<'_> {
         let slip = Generated.slip(&element, from, Mode::Gradient)?;
         let Gap { gap, foot, normal, .. } = slip.contact;
         self.within_border(paired, Ok(ContactPoint { gap, foot, normal }), border)?;
-        let carriers = all.sources[found.range]
-            .iter()
-            .map(|source| Carrier { node: paired.masters[source.listed as usize], image: source.image });
-        let terms = carriers.zip(slip.foot_weights.iter().copied()).collect();
+        let points = all.sources[found.range].iter().map(|source| source.point(paired.masters));
+        let terms = points.zip(&slip.foot_weights).flat_map(|(point, weight)| {
+            point.carriers().map(move |(carrier, part)| (carrier, part * weight))
+        });
+        let terms = terms.collect();
         Ok((slip, terms))
     }
 

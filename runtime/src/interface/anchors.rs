@@ -4,7 +4,7 @@
 //! assembly of forces and tangents has no more to know. Anchors change in [`accept`](super::ContactInterface::accept) alone.
 
 use super::InterfaceError;
-use super::fold::{AnchorSource, Source};
+use super::fold::AnchorSource;
 use super::pairings::Paired;
 use crate::AffinePoint;
 use crate::affine::Carrier;
@@ -174,12 +174,17 @@ pub fn list_carriers<'a>(
     images: &mut [u32],
 ) {
     for Carrier { node, .. } in anchors.into_iter().flat_map(Anchor::carriers) {
-        if let Err(place) = masters.binary_search(&node) {
-            masters.insert(place, node);
-            sheet_nodes.insert(place, NONE);
-            for [listed, _] in images.as_chunks_mut::<2>().0 {
-                *listed += u32::from(*listed as usize >= place);
-            }
+        join(node, masters, sheet_nodes, images);
+    }
+}
+
+/// Lists a node that is not listed, without a sheet node.
+pub fn join(node: u32, masters: &mut Vec<u32>, sheet_nodes: &mut Vec<u32>, images: &mut [u32]) {
+    if let Err(place) = masters.binary_search(&node) {
+        masters.insert(place, node);
+        sheet_nodes.insert(place, NONE);
+        for [listed, _] in images.as_chunks_mut::<2>().0 {
+            *listed += u32::from(*listed as usize >= place);
         }
     }
 }
@@ -205,6 +210,6 @@ pub fn anchor_sources(paired: &Paired<'_>, anchor: &Anchor, sources: &mut Vec<An
         };
         // A refresh lists the carriers of all anchors, what is accepted has no others, and other anchors end the pairing.
         let listed = listed.unwrap_or_else(|| unreachable!("node {node} carries an anchor and is listed"));
-        AnchorSource { source: Source { listed: listed as u32, image }, weight }
+        AnchorSource { listed: listed as u32, image, weight }
     }));
 }

@@ -1,6 +1,7 @@
 //! One element of an interface, taken out.
 
 use super::evaluator::Evaluator;
+use super::fold::FitPoint;
 use super::pairings::Paired;
 use super::scratch::ElementScratch;
 use super::{ContactElement, NoContact};
@@ -39,12 +40,13 @@ impl Evaluator<'_> {
         Ok(match self.options.element {
             ContactElement::Diffuse { weight, .. } if self.nodal.is_some() => {
                 let points = self.points_within_reach(paired, weight, scratch)?;
+                let other = |point: &FitPoint| {
+                    let (node, part) = point.other();
+                    (node as usize, part)
+                };
                 let pairing = Pairing {
-                    masters: points
-                        .listed
-                        .iter()
-                        .map(|&place| paired.masters[place as usize] as usize)
-                        .collect(),
+                    masters: points.sources.iter().map(|point| point.node() as usize).collect(),
+                    others: points.sources.iter().map(other).collect(),
                     positions: points.positions,
                     frame: points.frame,
                     support_radius: points.unit,
@@ -58,6 +60,7 @@ impl Evaluator<'_> {
                 let (frame, positions) = self.frame(paired, scratch)?;
                 let pairing = Pairing {
                     masters: paired.masters.iter().map(|&node| node as usize).collect(),
+                    others: Vec::new(),
                     positions: positions.to_vec(),
                     frame,
                     support_radius: paired.record.support_radius,

@@ -63,15 +63,15 @@ impl<'s> Run<'s> {
         if is_tracked { self.evaluator.anchor(slot.index) } else { None }
     }
 
-    /// Entries of derivatives by images, and by an anchor, which have a place of their own before they go to the nodes.
+    /// Entries of derivatives by images, by auxiliary points, and by an anchor, which have a place of their own before they go to the nodes.
     fn room(&self, place: usize, slot: &Slot<'_>) -> Option<(usize, usize)> {
         let own = self.within_reach.and_then(|all| all.elements[place].as_ref().ok());
         let points = own.map_or(0, |own| own.range.len());
         if self.anchor_of(slot).is_some() {
             return Some(slip_derivatives(self.mode, points));
         }
-        let has_images = self.pairings.get(slot.index).is_ok_and(|paired| !paired.images.is_empty());
-        has_images.then(|| derivatives(self.mode, points))
+        let has_others = self.pairings.get(slot.index).is_ok_and(|paired| paired.has_others());
+        has_others.then(|| derivatives(self.mode, points))
     }
 
     /// How the frame follows, and what a kernel reads.
@@ -124,7 +124,7 @@ impl<'s> Run<'s> {
         })
     }
 
-    /// Adds up the derivatives by images, and by an anchor, in the slot.
+    /// Adds up the derivatives by images, by auxiliary points, and by an anchor, in the slot.
     fn fold(
         &self,
         place: usize,
@@ -140,7 +140,7 @@ impl<'s> Run<'s> {
             anchor_sources(paired, anchor, carriers);
             let tracked = Tracked { is_anchored: true, half_square, opening: anchor.opening };
             fold_both(numbers, tracked, slot, (sources, carriers), symmetry, rows);
-        } else if !paired.images.is_empty() {
+        } else if paired.has_others() {
             fold(numbers, (slot.gradient, slot.hessian), sources, symmetry);
         }
     }
@@ -219,7 +219,7 @@ impl Evaluator<'_> {
         let count = element.corners.len();
         let ElementScratch { carriers, rows, .. } = scratch;
         anchor_sources(paired, anchor, carriers);
-        let sources: [Source; 4] = std::array::from_fn(|k| Source { listed: k as u32, image: None });
+        let sources: [Source; 4] = std::array::from_fn(|k| Source::node(k as u32, None));
         let (gradient, hessian) = derivatives(mode, count + 1);
         fold_with_anchor(
             (&numbers.gradient[..gradient], &numbers.hessian[..hessian]),

@@ -1,25 +1,85 @@
 //! Derivatives by an element's points, as derivatives by the listed nodes of its slave.
 //!
-//! An element of nodal domains has the listed nodes that are within reach at the moment, and images of them. Derivatives by the
-//! others are zero; those by an image x' = Q x + t go back to its node: N += Qᵀ N', M += Qᵀ M' Q.
+//! An element of nodal domains has the listed nodes that are within reach at the moment, auxiliary points on the line through two of them, and images of
+//! these. Derivatives by the others are zero; those by an image x' = Q x + t go back to its node: N += Qᵀ N', M += Qᵀ M' Q. Those by an
+//! auxiliary point p x + (1 − p) y go to both its ends, by their parts.
 
 use std::cmp::Ordering;
 
+use crate::affine::Carrier;
 use crate::surface::{Image, Symmetry};
 
 /// A point of an element.
 #[derive(Clone, Copy, Debug)]
 pub struct Source {
-    /// Its node, by place among the listed ones.
-    pub listed: u32,
+    /// The nodes that carry it, by place among the listed ones; twice the same: the node itself.
+    pub ends: [u32; 2],
+    /// The first one's part of it; the second has what is missing to 1. Of a node itself 1.
+    pub part: f64,
     /// The number of the image, if it is one of it.
     pub image: Option<u32>,
+}
+
+impl Source {
+    /// A listed node, or an image of it.
+    pub const fn node(listed: u32, image: Option<u32>) -> Self {
+        Self { ends: [listed; 2], part: 1.0, image }
+    }
+
+    /// The listed nodes that carry it, each with its part.
+    pub fn parts(self) -> impl Iterator<Item = (u32, f64)> + Clone {
+        let count = if self.part == 1.0 { 1 } else { 2 };
+        self.ends.into_iter().zip([self.part, 1.0 - self.part]).take(count)
+    }
+
+    /// As a point by numbers of nodes.
+    pub fn point(&self, listed: &[u32]) -> FitPoint {
+        FitPoint { ends: self.ends.map(|place| listed[place as usize]), part: self.part, image: self.image }
+    }
+}
+
+/// A point of an element, by numbers of nodes.
+#[derive(Clone, Copy, Debug)]
+pub struct FitPoint {
+    /// The nodes that carry it; twice the same: the node itself.
+    ends: [u32; 2],
+    /// As of a [`Source`].
+    part: f64,
+    /// The number of the image, if it is one of it.
+    image: Option<u32>,
+}
+
+impl FitPoint {
+    /// The first of the nodes that carry it.
+    pub const fn node(&self) -> u32 {
+        self.ends[0]
+    }
+
+    /// The second one, and its part of the point: of a node itself that node, and 0.
+    pub const fn other(&self) -> (u32, f64) {
+        (self.ends[1], 1.0 - self.part)
+    }
+
+    /// The nodes that carry it, or images of them, each with its part.
+    pub fn carriers(self) -> impl Iterator<Item = (Carrier, f64)> + Clone {
+        let Self { ends, part, image } = self;
+        Source { ends, part, image }.parts().map(move |(node, part)| (Carrier { node, image }, part))
+    }
+}
+
+impl From<u32> for FitPoint {
+    fn from(node: u32) -> Self {
+        Self { ends: [node; 2], part: 1.0, image: None }
+    }
 }
 
 /// A carrier of an anchor.
 #[derive(Clone, Copy, Debug)]
 pub struct AnchorSource {
-    pub source: Source,
+    /// Its node, by place among the listed ones.
+    pub listed: u32,
+    /// The number of the image, if it is one of it.
+    pub image: Option<u32>,
     /// Its part of the anchor.
     pub weight: f64,
 }
@@ -55,13 +115,14 @@ pub fn fold_with_anchor(
     symmetry: &Symmetry,
     rows: &mut Vec<f64>,
 ) {
-    let image_of = |source: &Source| source.image.map(|number| symmetry.image(number));
-    let target = |part: &AnchorSource| 3 * (part.source.listed as usize + 1);
+    let of_number = |image: Option<u32>| image.map(|number| symmetry.image(number));
+    let image_of = |source: &Source| of_number(source.image);
+    let target = |part: &AnchorSource| 3 * (part.listed as usize + 1);
     let own = 3 * (sources.len() + 1);
     let (of_points, [a, b, c]) = (&by_points[..own], [0, 1, 2].map(|axis| by_points[own + axis]));
     fold_gradient(of_points, gradient, sources, image_of);
     for part in anchor {
-        let values = back(image_of(&part.source), [a, b, c].map(|value| part.weight * value));
+        let values = back(of_number(part.image), [a, b, c].map(|value| part.weight * value));
         for (entry, value) in gradient[target(part)..].iter_mut().zip(values) {
             *entry += value;
         }
@@ -79,7 +140,7 @@ pub fn fold_with_anchor(
     }
     let own_block = [0, 1, 2].map(|i: usize| [0, 1, 2].map(|j: usize| row(i.max(j))[own + i.min(j)]));
     for part in anchor {
-        let (image, place) = (image_of(&part.source), target(part));
+        let (image, place) = (of_number(part.image), target(part));
         for column in (0..freedoms).step_by(3) {
             let block = [0, 1, 2].map(|i| [0, 1, 2].map(|j| part.weight * rows[i * freedoms + column + j]));
             let block = transposed(transposed(block).map(|column| back(image, column)));
@@ -90,7 +151,7 @@ pub fn fold_with_anchor(
             let left = transposed(transposed(block).map(|column| back(image, column)));
             // Of a pair of carriers either order is met, and each adds to the lower triangle where it belongs there.
             if target(other) <= place {
-                add(hessian, (place, target(other)), left.map(|row| back(image_of(&other.source), row)));
+                add(hessian, (place, target(other)), left.map(|row| back(of_number(other.image), row)));
             }
         }
     }
@@ -117,9 +178,12 @@ fn fold_gradient<'a>(
     gradient[..3].copy_from_slice(&by_points[..3]);
     gradient[3..].fill(0.0);
     for (source, own) in sources.iter().zip(by_points[3..].as_chunks::<3>().0) {
-        let place = 3 * (source.listed as usize + 1);
-        for (axis, value) in back(image_of(source), *own).into_iter().enumerate() {
-            gradient[place + axis] += value;
+        let values = back(image_of(source), *own);
+        for (listed, part) in source.parts() {
+            let place = 3 * (listed as usize + 1);
+            for (axis, value) in values.into_iter().enumerate() {
+                gradient[place + axis] += part * value;
+            }
         }
     }
 }
@@ -134,19 +198,23 @@ fn fold_hessian<'a>(
     hessian[packed(3, 0)..].fill(0.0);
     let entry = |i: usize, j: usize| if i >= j { by_points[packed(i, j)] } else { by_points[packed(j, i)] };
     for (own, source) in sources.iter().enumerate() {
-        let (row, target) = (3 * (own + 1), 3 * (source.listed as usize + 1));
+        let row = 3 * (own + 1);
         let block = |column: usize| [0, 1, 2].map(|i| [0, 1, 2].map(|j| entry(row + i, column + j)));
-        let by_slave = transposed(transposed(block(0)).map(|column| back(image_of(source), column)));
-        add(hessian, (target, 0), by_slave);
-        // A block and its transpose are met from either side, so that each is added where it belongs to the lower triangle.
-        for (other, second) in sources.iter().enumerate() {
-            let place = 3 * (second.listed as usize + 1);
-            if place > target {
-                continue;
+        let turned = |block| transposed(transposed(block).map(|column| back(image_of(source), column)));
+        for (listed, part) in source.parts() {
+            let target = 3 * (listed as usize + 1);
+            add(hessian, (target, 0), times(turned(block(0)), part));
+            // A block and its transpose are met from either side, so that each is added where it belongs to the lower triangle.
+            for (other, second) in sources.iter().enumerate() {
+                for (listed, other_part) in second.parts() {
+                    let place = 3 * (listed as usize + 1);
+                    if place > target {
+                        continue;
+                    }
+                    let both = turned(block(3 * (other + 1))).map(|row| back(image_of(second), row));
+                    add(hessian, (target, place), times(both, part * other_part));
+                }
             }
-            let left =
-                transposed(transposed(block(3 * (other + 1))).map(|column| back(image_of(source), column)));
-            add(hessian, (target, place), left.map(|row| back(image_of(second), row)));
         }
     }
 }
@@ -168,6 +236,10 @@ pub fn back(image: Option<&Image>, v: [f64; 3]) -> [f64; 3] {
         None => v,
         Some(image) => [0, 1, 2].map(|j| (0..3).map(|i| image.rows[i][j] * v[i]).sum()),
     }
+}
+
+fn times(block: [[f64; 3]; 3], factor: f64) -> [[f64; 3]; 3] {
+    block.map(|row| row.map(|value| factor * value))
 }
 
 fn transposed(block: [[f64; 3]; 3]) -> [[f64; 3]; 3] {
@@ -201,7 +273,9 @@ mod tests {
             let rows = source.image.map_or(itself, |number| symmetry.image(number).rows);
             for i in 0..3 {
                 for j in 0..3 {
-                    jacobian[3 * own + i][3 * (source.listed as usize + 1) + j] += weight * rows[i][j];
+                    for (listed, part) in source.parts() {
+                        jacobian[3 * own + i][3 * (listed as usize + 1) + j] += part * weight * rows[i][j];
+                    }
                 }
             }
         }
@@ -229,11 +303,11 @@ mod tests {
     }
 
     #[test]
-    fn derivatives_by_an_image_go_back_to_its_node() {
+    fn derivatives_by_images_and_auxiliary_points_go_back_to_their_nodes() {
         let plane = SymmetryPlane { point: [0.2, 0.1, 0.0], normal: [0.6, 0.8, 0.0] };
         let symmetry = Symmetry::new(&[plane], 9.0, [[0.0; 3], [1.0; 3]]).unwrap();
-        let sources = [(0, None), (0, Some(0)), (2, Some(0)), (2, None)]
-            .map(|(listed, image)| Source { listed, image });
+        let sources = [(0, 0, 1.0, None), (0, 2, 0.5, None), (2, 2, 1.0, Some(0)), (2, 1, 2.0, Some(0))]
+            .map(|(one, other, part, image)| Source { ends: [one, other], part, image });
         let (n, m) = derivatives(4);
         let (mut gradient, mut hessian) = (vec![9.0; 12], vec![9.0; packed(12, 0)]);
         fold((&n, &m), (&mut gradient, &mut hessian), &sources, &symmetry);
@@ -246,10 +320,13 @@ mod tests {
     fn derivatives_by_an_anchor_go_to_its_carriers() {
         let plane = SymmetryPlane { point: [0.2, 0.1, 0.0], normal: [0.6, 0.8, 0.0] };
         let symmetry = Symmetry::new(&[plane], 9.0, [[0.0; 3], [1.0; 3]]).unwrap();
-        let source = |(listed, image)| Source { listed, image };
-        let sources = [(0, None), (0, Some(0)), (2, None)].map(source);
-        let anchor = [((0, None), 0.5), ((0, Some(0)), -0.25), ((1, None), 0.5), ((2, Some(0)), 0.25)]
-            .map(|(of, weight)| AnchorSource { source: source(of), weight });
+        let sources = [
+            Source::node(0, None),
+            Source::node(0, Some(0)),
+            Source { ends: [1, 2], part: 0.5, image: None },
+        ];
+        let anchor = [(0, None, 0.5), (0, Some(0), -0.25), (1, None, 0.5), (2, Some(0), 0.25)]
+            .map(|(listed, image, weight)| AnchorSource { listed, image, weight });
         // Three points of the element and the anchor: as many coordinates as an element of four points has.
         let (n, m) = derivatives(4);
         let (mut gradient, mut hessian) = (vec![9.0; 12], vec![9.0; packed(12, 0)]);
@@ -261,7 +338,7 @@ mod tests {
             &mut Vec::new(),
         );
         let points = sources.iter().enumerate().map(|(own, source)| (own + 1, *source, 1.0));
-        let carriers = anchor.iter().map(|part| (4, part.source, part.weight));
+        let carriers = anchor.iter().map(|part| (4, Source::node(part.listed, part.image), part.weight));
         let jacobian = jacobian(points.chain(carriers), &symmetry);
         assert_chain_rule((&n, &m), (&gradient, &hessian), &jacobian);
     }

@@ -8,9 +8,9 @@ use rayon::prelude::*;
 use super::contacts::{Layout, front, resize};
 use super::fill::CHUNK;
 use super::linearise::{LinearContact, Second, SecondForm};
-use super::{ContactInterface, InterfaceError, NoContact, Outcome, back};
-use crate::affine::Carrier;
+use super::{ContactInterface, FitPoint, InterfaceError, NoContact, Outcome, back};
 use crate::foot::facet_foot_derivatives;
+use crate::surface::Image;
 use crate::{ContactPoint, ElementError, FootDerivatives};
 
 /// The feet of all slaves with first derivatives, in the order of the slaves.
@@ -148,11 +148,11 @@ impl ContactInterface {
         present.iter().for_each(|k| slots.outcomes[k - first] = overflow);
         let mut rest = &found.points[..];
         for contact in &found.contacts {
-            let (carriers, others) = rest.split_at(contact.points);
+            let (points, others) = rest.split_at(contact.points);
             rest = others;
             let (gradient, second) =
                 (&found.gradients[contact.gradient..], &found.seconds[contact.second_start..]);
-            let freedoms = 3 * (carriers.len() + 1);
+            let freedoms = 3 * (points.len() + 1);
             let Ok(by_points) = by_points(contact, &gradient[..freedoms], second) else { continue };
             let k = contact.index;
             let (weight, row) = (layout.offset(first), 3 * layout.gradient(first));
@@ -160,7 +160,7 @@ impl ContactInterface {
             let rows = 3 * layout.gradient(k) - row..3 * layout.gradient(k + 1) - row;
             let target =
                 [&mut slots.weights[weights], &mut slots.foot[rows.clone()], &mut slots.normal[rows]];
-            self.fold_foot(&by_points, carriers, layout.masters(k), target);
+            self.fold_foot(&by_points, points, layout.masters(k), target);
             (slots.outcomes[k - first], slots.points[k - first]) =
                 (values.get(layout, k).outcome, contact.point);
         }
@@ -171,33 +171,33 @@ impl ContactInterface {
     fn fold_foot(
         &self,
         by_points: &FootDerivatives,
-        carriers: &[Carrier],
+        points: &[FitPoint],
         listed: &[u32],
         [weights, foot, normal]: [&mut [f64]; 3],
     ) {
-        let (own, freedoms) = (3 * (carriers.len() + 1), 3 * (listed.len() + 1));
-        // Points are in the order of the listed nodes.
-        let mut place = 0;
-        let places: Vec<usize> = carriers
-            .iter()
-            .map(|carrier| {
-                while listed[place] != carrier.node {
-                    place += 1;
-                }
-                place
-            })
+        let (own, freedoms) = (3 * (points.len() + 1), 3 * (listed.len() + 1));
+        // Nodes are in the order of the listed ones, auxiliary points come after them.
+        let mut last = 0;
+        let mut place = |node: u32| {
+            let next = (last..listed.len()).chain(0..last).find(|&place| listed[place] == node);
+            last = next.unwrap_or_else(|| unreachable!("points are of listed nodes"));
+            last
+        };
+        let parts = (0..).zip(points).flat_map(|(k, point)| point.carriers().map(move |part| (k, part)));
+        let parts: Vec<(usize, usize, Option<&Image>, f64)> = parts
+            .map(|(k, (carrier, part))| (k, place(carrier.node), self.image_of(carrier), part))
             .collect();
-        for (weight, &place) in by_points.weights.iter().zip(&places) {
-            weights[place] += weight;
+        for &(k, place, _, part) in &parts {
+            weights[place] += part * by_points.weights[k];
         }
         for (target, rows) in [(foot, &by_points.foot), (normal, &by_points.normal)] {
             for (target, row) in target.chunks_exact_mut(freedoms).zip(rows.chunks_exact(own)) {
-                let (slave, points) = row.split_at(3);
+                let (slave, by) = row.split_at(3);
                 target[..3].copy_from_slice(slave);
-                for ((by, carrier), &place) in points.as_chunks::<3>().0.iter().zip(carriers).zip(&places) {
-                    let by_node = back(self.image_of(*carrier), *by);
+                for &(k, place, image, part) in &parts {
+                    let by_node = back(image, by.as_chunks::<3>().0[k]);
                     for (entry, value) in target[3 * (place + 1)..].iter_mut().zip(by_node) {
-                        *entry += value;
+                        *entry += part * value;
                     }
                 }
             }

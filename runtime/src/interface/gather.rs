@@ -6,9 +6,8 @@ use super::fold::Source;
 use super::pairings::Paired;
 use super::scratch::ElementScratch;
 use super::within_reach::{Gathered, PointsWithinReach, WithinReach};
-use crate::affine::Carrier;
 use crate::material::{Sought, places as side_by_side};
-use crate::surface::{Listed, NONE};
+use crate::surface::{Listed, NONE, between};
 use crate::vector::Vector3;
 use crate::{Domains, Element, ElementError, MaterialPlace, Point, Weight};
 
@@ -41,7 +40,7 @@ impl Evaluator<'_> {
                         (points[kept], sources[kept]) = (points[k], sources[k]);
                         square = square.max(distance_squared(points[kept], sought.slave));
                         nodes.push(node);
-                        listed.push(sources[kept].listed);
+                        listed.push(sources[kept].ends[0]);
                         kept += 1;
                     }
                 }
@@ -69,7 +68,7 @@ impl Evaluator<'_> {
         all.elements.pop().unwrap_or(Err(NoContact::NotPaired))
     }
 
-    /// Adds the listed nodes of a slave, and their images.
+    /// Adds the listed nodes of a slave, auxiliary points between them, and images of both.
     fn list(&self, paired: &Paired<'_>, all: &mut WithinReach) {
         let WithinReach { points, sources, domains, sought, .. } = all;
         let Some(nodal) = self.nodal else { return };
@@ -83,13 +82,20 @@ impl Evaluator<'_> {
             let x = self.positions[node as usize];
             points.push(x);
             domains.push(nodal.domain(sheet_node, NONE));
-            sources.push(Source { listed: listed as u32, image: None });
+            sources.push(Source::node(listed as u32, None));
             while let Some([_, number]) = images.next_if(|image| image[0] == listed as u32) {
                 let image = Some(*number);
                 points.push(self.image_of(image, x));
                 domains.push(nodal.domain(sheet_node, *number));
-                sources.push(Source { listed: listed as u32, image });
+                sources.push(Source::node(listed as u32, image));
             }
+        }
+        for &[one, other, number, image] in paired.auxiliary.as_chunks().0 {
+            let x = [one, other].map(|listed| self.positions[paired.masters[listed as usize] as usize]);
+            let part = nodal.domains.part(number);
+            points.push(self.image_of((image != NONE).then_some(image), between(part, x)));
+            domains.push(nodal.domain(number, image));
+            sources.push(Source { ends: [one, other], part, image: (image != NONE).then_some(image) });
         }
         let outward = self.surface.shape(paired.record.facet as usize, self.positions).normal().into();
         sought.push(Sought { slave: self.positions[paired.slave], outward, range: start..points.len() });
@@ -109,7 +115,8 @@ impl Evaluator<'_> {
         points.clear();
         domains.clear();
         for &Listed { node, image } in listed {
-            let x = self.positions[self.surface.nodes()[nodal.domains.place(node) as usize] as usize];
+            let position = |place: u32| self.positions[self.surface.nodes()[place as usize] as usize];
+            let x = between(nodal.domains.part(node), nodal.domains.places_of(node).map(position));
             points.push(self.image_of((image != NONE).then_some(image), x));
             domains.push(nodal.domain(node, image));
         }
@@ -132,13 +139,9 @@ impl Evaluator<'_> {
     ) -> Result<PointsWithinReach, NoContact> {
         let all = &mut scratch.within_reach;
         let Gathered { frame, unit, range } = self.gather_one(paired, weight, all)?;
-        let sources = &all.sources[range.clone()];
-        let listed = sources.iter().map(|source| source.listed).collect();
-        let carrier =
-            |&Source { listed, image }: &Source| Carrier { node: paired.masters[listed as usize], image };
-        let carriers = sources.iter().map(carrier).collect();
+        let sources = all.sources[range.clone()].iter().map(|source| source.point(paired.masters)).collect();
         let (positions, nodes) = (all.points[range].to_vec(), all.nodes.clone());
-        Ok(PointsWithinReach { positions, nodes, listed, carriers, frame, unit })
+        Ok(PointsWithinReach { positions, nodes, sources, frame, unit })
     }
 
     /// The element of a slave whose points were the only ones gathered.

@@ -8,11 +8,11 @@ use rayon::prelude::*;
 use super::contacts::{Results, resize};
 use super::evaluator::Evaluator;
 use super::fill::{CHUNK, Request};
+use super::fold::FitPoint;
 use super::pairings::{Paired, Pairings};
 use super::scratch::ElementScratch;
 use super::within_reach::WithinReach;
 use super::{ContactElement, ContactInterface, InterfaceError};
-use crate::affine::Carrier;
 use crate::batch::{Asked, GapSlot, Waiting, contact_point, evaluate};
 use crate::kernels::frame_rule;
 use crate::product::HessianForm;
@@ -95,8 +95,8 @@ pub(crate) struct LinearContact {
 #[derive(Clone, Debug, Default)]
 pub(crate) struct LinearContacts {
     pub contacts: Vec<LinearContact>,
-    /// The points of all contacts: nodes, or images of nodes.
-    pub points: Vec<Carrier>,
+    /// The points of all contacts.
+    pub points: Vec<FitPoint>,
     /// N by slave and points.
     pub gradients: Vec<f64>,
     pub seconds: Vec<f64>,
@@ -247,22 +247,18 @@ impl Evaluator<'_> {
         paired: &Paired<'s>,
         weight: Weight,
         (within_reach, place): (&'s WithinReach, usize),
-        points: &mut Vec<Carrier>,
+        points: &mut Vec<FitPoint>,
     ) -> Option<(FrameRule, ElementInputs<'s>)> {
-        let (derivative, inputs) =
-            if self.nodal.is_some() {
-                let own = within_reach.elements[place].as_ref().ok()?;
-                let sources = within_reach.sources[own.range.clone()].iter();
-                points.extend(sources.map(|source| Carrier {
-                    node: paired.masters[source.listed as usize],
-                    image: source.image,
-                }));
-                (own.frame.derivative, within_reach.inputs(self.positions[paired.slave], own, weight))
-            } else {
-                let frame = self.current_frame(paired).ok()?;
-                points.extend(paired.masters.iter().map(|&node| Carrier::from(node)));
-                (frame.derivative, self.inputs(paired, &frame, weight))
-            };
+        let (derivative, inputs) = if self.nodal.is_some() {
+            let own = within_reach.elements[place].as_ref().ok()?;
+            let sources = within_reach.sources[own.range.clone()].iter();
+            points.extend(sources.map(|source| source.point(paired.masters)));
+            (own.frame.derivative, within_reach.inputs(self.positions[paired.slave], own, weight))
+        } else {
+            let frame = self.current_frame(paired).ok()?;
+            points.extend(paired.masters.iter().map(|&node| FitPoint::from(node)));
+            (frame.derivative, self.inputs(paired, &frame, weight))
+        };
         Some((frame_rule(derivative, &inputs.domains), inputs))
     }
 
@@ -302,7 +298,7 @@ impl Evaluator<'_> {
                 self.element(&paired, mode, own_gradient, own_second, scratch)
             };
             let (point, area) = (point.unwrap_or(NONE), pairings.layout.area(index));
-            found.points.extend(corners.iter().map(|&node| Carrier::from(node)));
+            found.points.extend(corners.iter().map(|&node| FitPoint::from(node)));
             found.contacts.push(LinearContact { index, point, area, points, gradient, second, second_start });
             gradient += freedoms(points);
             second_start += numbers;

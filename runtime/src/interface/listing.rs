@@ -1,6 +1,6 @@
 //! Lists of the nodes that slaves may need, with nodal domains, and how far slaves and masters may move before others are listed.
 
-use super::anchors::list_carriers;
+use super::anchors::{join, list_carriers};
 use super::evaluator::Evaluator;
 use super::nodal::Nodal;
 use super::pairings::Record;
@@ -28,7 +28,7 @@ impl Refresh<'_> {
     ) -> Result<Record, NoContact> {
         let node = self.old.layout.slave(k);
         let Evaluator { surface, creases, options, .. } = self.evaluator;
-        let RefreshScratch { masters, sheet_nodes, images, patch, element, .. } = scratch;
+        let RefreshScratch { masters, sheet_nodes, images, auxiliary, patch, element, .. } = scratch;
         let Closest { facet, .. } = *closest;
         let (wanted, falls_back, weight) = match options.element {
             ContactElement::Diffuse { search, weight, .. } => (search.basis, search.linear_fallback, weight),
@@ -57,6 +57,12 @@ impl Refresh<'_> {
                 continue;
             }
             shortest = shortest.min(domain.shortest());
+            if nodal.domains.is_auxiliary(listed) {
+                let [one, other] =
+                    nodal.domains.places_of(listed).map(|place| surface.nodes()[place as usize]);
+                auxiliary.extend([one, other, listed, image]);
+                continue;
+            }
             if sheet_nodes.last() != Some(&listed) {
                 sheet_nodes.push(listed);
                 masters.push(surface.nodes()[nodal.domains.place(listed) as usize]);
@@ -65,8 +71,16 @@ impl Refresh<'_> {
                 images.extend([sheet_nodes.len() as u32 - 1, image]);
             }
         }
+        for [one, other, ..] in auxiliary.as_chunks::<4>().0 {
+            join(*one, masters, sheet_nodes, images);
+            join(*other, masters, sheet_nodes, images);
+        }
         creases.patch_with_end(surface, facet, masters, patch);
         list_carriers(self.evaluator.anchors_of(k), masters, sheet_nodes, images);
+        for [one, other, ..] in auxiliary.as_chunks_mut::<4>().0 {
+            let place = |node: u32| masters.partition_point(|&master| master < node) as u32;
+            (*one, *other) = (place(*one), place(*other));
+        }
         Ok(Record { support_radius: shortest, basis, fallback, facet })
     }
 

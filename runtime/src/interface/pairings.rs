@@ -36,6 +36,9 @@ pub struct Pairings {
     pub sheet_nodes: Vec<u32>,
     /// Images of each slave's masters: place of the master among them and number of the image, alternating, ascending.
     pub images: Lists,
+    /// Auxiliary points between each slave's masters: the places of both ends among them, number of the point among the domains, and that of
+    /// the image or [`NONE`](crate::surface::NONE).
+    pub auxiliary: Lists,
 }
 
 /// Lists one after another.
@@ -46,6 +49,11 @@ pub struct Lists {
 }
 
 impl Lists {
+    /// None.
+    pub const fn new() -> Self {
+        Self { numbers: Vec::new(), ends: Vec::new() }
+    }
+
     /// Appends a list.
     pub fn push(&mut self, list: &[u32]) {
         self.numbers.extend_from_slice(list);
@@ -74,6 +82,15 @@ pub struct Paired<'a> {
     pub sheet_nodes: &'a [u32],
     /// Place and number of image, alternating.
     pub images: &'a [u32],
+    /// Places of both ends, number, and image, four after four.
+    pub auxiliary: &'a [u32],
+}
+
+impl Paired<'_> {
+    /// Whether its element has other points than nodes.
+    pub const fn has_others(&self) -> bool {
+        !self.images.is_empty() || !self.auxiliary.is_empty()
+    }
 }
 
 impl Pairings {
@@ -83,8 +100,17 @@ impl Pairings {
         let holds = vec![0.0; slaves.len()];
         let lengths = std::iter::repeat_n(0, slaves.len());
         let layout = Arc::new(Layout::new(slaves, areas, lengths, Vec::new()));
-        let (patches, images) = (Lists::default(), Lists::default());
-        Self { layout, records, holds, frames: Vec::new(), patches, sheet_nodes: Vec::new(), images }
+        let [patches, images, auxiliary] = [const { Lists::new() }; 3];
+        Self {
+            layout,
+            records,
+            holds,
+            frames: Vec::new(),
+            patches,
+            sheet_nodes: Vec::new(),
+            images,
+            auxiliary,
+        }
     }
 
     /// The `k`-th slave.
@@ -98,6 +124,7 @@ impl Pairings {
             patch: self.patches.get(k),
             sheet_nodes: self.sheet_nodes.get(self.layout.masters_range(k)).unwrap_or(&[]),
             images: self.images.get(k),
+            auxiliary: self.auxiliary.get(k),
         })
     }
 

@@ -61,7 +61,7 @@ pub struct SurfacePart {
     symmetry: Symmetry,
     creases: Creases,
     nodes: SheetNodes,
-    /// By sheet node.
+    /// By sheet node, and after them by auxiliary point.
     cells: Vec<MaterialDomain>,
     /// First positions, by place.
     first: Vec<Point>,
@@ -271,7 +271,7 @@ impl SurfacePart {
         Symmetry::check_sides(planes, &positions, part.extents.facet)?;
         let index = surface.at(&positions)?;
         let creases = Creases::new(&index, options.feature_angle_degrees.to_radians(), &symmetry);
-        let sheet_nodes = SheetNodes::new(&surface, &creases);
+        let sheet_nodes = SheetNodes::new(&index, &creases, &symmetry, Some(&complete));
         let sheets = Sheets {
             index: &index,
             creases: &creases,
@@ -410,7 +410,7 @@ impl SurfacePart {
                 }
             }
         }
-        let domains = grown(&self.cells, &factors);
+        let domains = grown(&self.cells, &factors, self.nodes.auxiliary());
         let fits = (&bases[..], self.setup.weight);
         let (lists, open, ratios) = self.with_sheets(|sheets| {
             let (lists, open) = sheets.lists(&domains, &self.own);
@@ -436,13 +436,14 @@ impl SurfacePart {
                 all.crowded[node] |= other.crowded[k] != 0;
             }
         }
-        let domains = trimmed(domains, &all);
+        let domains = trimmed(domains, &all, self.nodes.auxiliary());
         let mut found = lists.to_vec();
         self.with_sheets(|sheets| still_listed(sheets, &domains, &self.own, &mut found))?;
         let (mut open, mut lists) = (Vec::new(), vec![Vec::new(); self.surface.facet_count()]);
         for (&facet, list) in self.own.iter().zip(found) {
             // The facets at listed nodes are known with all that lies across their edges.
-            let around = list.iter().flat_map(|own| self.surface.facets_of_place(self.nodes.place(own.node)));
+            let listed = list.iter().flat_map(|own| self.nodes.ends(own.node));
+            let around = listed.flat_map(|node| self.surface.facets_of_place(self.nodes.place(node)));
             let mut corners = around.flat_map(|&facet| self.surface.corners_of(facet as usize));
             if !corners.all(|&place| self.complete[place as usize]) {
                 open.push(facet);
@@ -450,7 +451,8 @@ impl SurfacePart {
             lists[facet as usize] = list;
         }
         self.check_width(&open)?;
-        Ok(Stage::Settled(NodalDomains::given(self.nodes.places().to_vec(), domains, bases.to_vec(), &lists)))
+        let nodes = (self.nodes.places().to_vec(), self.nodes.auxiliary().to_vec());
+        Ok(Stage::Settled(NodalDomains::given(nodes, domains, bases.to_vec(), &lists)))
     }
 
     /// What slaves in these boxes can need of the own facets, as [`ContactInterface::window`](super::ContactInterface::window). Positions

@@ -66,6 +66,7 @@ pub struct RefreshScratch {
     pub(super) masters: Vec<u32>,
     pub(super) sheet_nodes: Vec<u32>,
     pub(super) images: Vec<u32>,
+    pub(super) auxiliary: Vec<u32>,
     pub(super) patch: Vec<u32>,
     pub(super) element: ElementScratch,
 }
@@ -79,6 +80,7 @@ impl RefreshScratch {
             masters: Vec::new(),
             sheet_nodes: Vec::new(),
             images: Vec::new(),
+            auxiliary: Vec::new(),
             patch: Vec::new(),
             element: ElementScratch::default(),
         })
@@ -97,6 +99,7 @@ struct Chunk {
     patches: Lists,
     sheet_nodes: Vec<u32>,
     images: Lists,
+    auxiliary: Lists,
     report: RefreshReport,
 }
 
@@ -139,7 +142,8 @@ impl Refresh<'_> {
         let mut records = Vec::with_capacity(order.len());
         let mut holds = Vec::with_capacity(order.len());
         let mut frames = Vec::new();
-        let (mut patches, mut images, mut listed) = (Lists::default(), Lists::default(), Vec::new());
+        let [mut patches, mut images, mut auxiliary] = [const { Lists::new() }; 3];
+        let mut listed = Vec::new();
         chunks.iter().for_each(|chunk| report.append(&chunk.report));
         for &place in &places {
             let (chunk, own) = (&chunks[place / CHUNK], place % CHUNK);
@@ -149,14 +153,14 @@ impl Refresh<'_> {
             frames.extend(chunk.frames.get(own));
             patches.push(chunk.patches.get(own));
             images.push(chunk.images.get(own));
+            auxiliary.push(chunk.auxiliary.get(own));
             listed.extend_from_slice(chunk.sheet_nodes.get(chunk.range_of(own)).unwrap_or(&[]));
         }
         let lengths = places.iter().map(|place| chunks[place / CHUNK].masters_of(place % CHUNK).len());
         let layout = Layout::new(old.slaves().to_vec(), old.areas().to_vec(), lengths, masters);
-        (
-            Pairings { layout: layout.into(), records, holds, frames, patches, sheet_nodes: listed, images },
-            report,
-        )
+        let layout = layout.into();
+        let sheet_nodes = listed;
+        (Pairings { layout, records, holds, frames, patches, sheet_nodes, images, auxiliary }, report)
     }
 
     /// Pairs the `k`-th slave and books it.
@@ -178,9 +182,10 @@ impl Refresh<'_> {
             closest.as_ref().map_err(|reason| *reason),
             record.as_ref().map_err(|reason| *reason),
         ));
-        let RefreshScratch { masters, sheet_nodes, images, patch, element, .. } = scratch;
+        let RefreshScratch { masters, sheet_nodes, images, auxiliary, patch, element, .. } = scratch;
         let paired = record.as_ref().map_err(|reason| *reason).and_then(|record| {
-            let paired = Paired { slave: node, masters, record, frame: None, patch, sheet_nodes, images };
+            let paired =
+                Paired { slave: node, masters, record, frame: None, patch, sheet_nodes, images, auxiliary };
             Ok((paired, self.evaluator.held_frame(&paired, element)?))
         });
         let report = &mut chunk.report;
@@ -207,6 +212,7 @@ impl Refresh<'_> {
                 chunk.patches.push(patch);
                 chunk.sheet_nodes.extend_from_slice(sheet_nodes);
                 chunk.images.push(images);
+                chunk.auxiliary.push(auxiliary);
             }
             Err(reason) => {
                 report.lost += usize::from(old.is_some());
@@ -216,6 +222,7 @@ impl Refresh<'_> {
                 chunk.frames.extend(self.evaluator.stand_in_frame());
                 chunk.patches.push(&[]);
                 chunk.images.push(&[]);
+                chunk.auxiliary.push(&[]);
             }
         }
         chunk.ends.push(chunk.masters.len());
@@ -312,10 +319,11 @@ impl Refresh<'_> {
     /// The pairing of the `k`-th slave with the masters around its closest facet, which go to `scratch.masters`.
     fn pair(&self, k: usize, closest: &Closest, scratch: &mut RefreshScratch) -> Result<Record, NoContact> {
         let Evaluator { surface, creases, positions, options, .. } = self.evaluator;
-        let RefreshScratch { search, walk, masters, sheet_nodes, images, patch, .. } = scratch;
+        let RefreshScratch { search, walk, masters, sheet_nodes, images, auxiliary, patch, .. } = scratch;
         masters.clear();
         sheet_nodes.clear();
         images.clear();
+        auxiliary.clear();
         patch.clear();
         if let Some(nodal) = self.evaluator.nodal {
             return self.list(nodal, k, closest, scratch);

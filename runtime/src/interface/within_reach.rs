@@ -5,13 +5,12 @@ use std::ops::Range;
 use diffuse_contact_kernels::support::{ElementInputs, Masters};
 
 use super::NoContact;
-use super::fold::Source;
-use crate::affine::Carrier;
+use super::fold::{FitPoint, Source};
 use crate::element::nearest_in_material;
 use crate::material::{SearchScratch, Sought};
 use crate::{Domains, ElementError, Frame, MaterialDomain, MaterialNode, MaterialPlace, Point, Weight};
 
-/// The points within reach of slaves that are evaluated together.
+/// The points within reach of slaves (nodes, auxiliary points, images) that are evaluated together.
 #[derive(Clone, Debug, Default)]
 pub struct WithinReach {
     /// Positions, of an image its own.
@@ -53,7 +52,7 @@ impl WithinReach {
         self.elements.clear();
     }
 
-    /// The places of an element's points among the listed nodes of its slave, if it has no images. None of a slave without an element.
+    /// The places of an element's points among the listed nodes of its slave, if it has neither images nor auxiliary points. None of a slave without an element.
     pub fn listed(&self, slave: usize) -> &[u32] {
         self.elements[slave].as_ref().map_or(&[], |element| &self.listed[element.range.clone()])
     }
@@ -83,10 +82,8 @@ impl WithinReach {
 pub struct PointsWithinReach {
     pub positions: Vec<Point>,
     pub nodes: Vec<MaterialNode>,
-    /// Their nodes, by place among the slave's.
-    pub listed: Vec<u32>,
-    /// The nodes that they are, or are images of.
-    pub carriers: Vec<Carrier>,
+    /// The nodes that they are, or are images of, or lie between.
+    pub sources: Vec<FitPoint>,
     pub frame: Frame,
     /// What lengths are divided by.
     pub unit: f64,

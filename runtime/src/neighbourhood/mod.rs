@@ -189,6 +189,7 @@ impl Neighbourhood {
         let positions: Vec<Point> = self.nodes.iter().map(|&k| nodes.points()[k]).collect();
         Pairing {
             masters: self.nodes.clone(),
+            others: Vec::new(),
             positions,
             frame: self.frame,
             support_radius: self.support_radius,

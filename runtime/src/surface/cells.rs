@@ -2,6 +2,7 @@
 
 use rayon::prelude::*;
 
+use super::auxiliary::Auxiliary;
 use super::sheets::Sheets;
 use super::symmetry::Symmetry;
 use crate::eigen::symmetric_eigen;
@@ -15,12 +16,14 @@ const ACROSS: f64 = 2.0;
 const THINNEST: f64 = 1e-3;
 
 impl Sheets<'_> {
-    /// Per sheet node its position and the metric of its cells.
+    /// Per sheet node its position and the metric of its cells, and after them those of auxiliary points.
     pub fn cells(&self) -> Vec<MaterialDomain> {
         let Sheets { index, nodes, symmetry, .. } = *self;
         let surface = index.surface();
         let positions = index.positions();
-        (0..nodes.places().len() as u32)
+        let mut on_rungs: Vec<u32> = nodes.auxiliary().iter().flat_map(|point| point.ends).collect();
+        on_rungs.sort_unstable();
+        let cells = (0..nodes.places().len() as u32)
             .into_par_iter()
             .map(|node| {
                 let place = nodes.place(node);
@@ -46,9 +49,15 @@ impl Sheets<'_> {
                         }
                     }
                 }
+                // Around a bend neighbours may lie lower than a strip is wide: its cells are seen along the normal.
+                let normal = on_rungs.binary_search(&node).is_ok().then(|| {
+                    let normals = nodes.facets(surface, node).map(|facet| index.normals()[facet as usize]);
+                    symmetry.within_planes(position, normals.sum()).normalize()
+                });
                 let mut mean = [[0.0; 3]; 3];
                 for end in &ends {
                     let edge = *end - own;
+                    let edge = normal.map_or(edge, |normal| edge - normal * normal.dot(&edge));
                     for i in 0..3 {
                         for j in 0..3 {
                             mean[i][j] += edge[i] * edge[j] / ends.len() as f64;
@@ -57,7 +66,34 @@ impl Sheets<'_> {
                 }
                 MaterialDomain { position, metric: metric_of(mean) }
             })
-            .collect()
+            .collect();
+        with_auxiliary(cells, nodes.auxiliary())
+    }
+}
+
+/// The domains of sheet nodes, followed by those of auxiliary points: whatever is within both ends' domains, seen from the same distance, is
+/// within the point's.
+pub(crate) fn with_auxiliary(
+    mut domains: Vec<MaterialDomain>,
+    auxiliary: &[Auxiliary],
+) -> Vec<MaterialDomain> {
+    let own = |point: &Auxiliary| point.domain(point.ends.map(|end| domains[end as usize]));
+    let own: Vec<MaterialDomain> = auxiliary.iter().map(own).collect();
+    domains.extend(own);
+    domains
+}
+
+impl Auxiliary {
+    /// Its domain, from those of its ends: the mean of the matrices C of both ellipsoids. None without one of either.
+    fn domain(&self, ends: [MaterialDomain; 2]) -> MaterialDomain {
+        let position = self.position(ends.map(|end| end.position));
+        let are_there = ends.iter().all(|end| end.metric[0] > 0.0);
+        let mean = are_there.then(|| {
+            let [one, two] = ends.map(|end| end.ellipsoid());
+            [0, 1, 2].map(|i| [0, 1, 2].map(|j| 0.5 * (one[i][j] + two[i][j])))
+        });
+        let domain = mean.and_then(|squares| MaterialDomain::of_ellipsoid(position, squares));
+        domain.unwrap_or(MaterialDomain { position, metric: [0.0; 6] })
     }
 }
 

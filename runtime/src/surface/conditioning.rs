@@ -9,10 +9,10 @@ pub(crate) const SMALLEST_SINGULAR_VALUE: f64 = 0.13;
 const STEP: f64 = 1.04;
 const BISECTIONS: usize = 8;
 
-/// A node, or an image of one, seen from a centre.
+/// A node, an auxiliary point, or an image of one, seen from a centre.
 #[derive(Clone, Copy)]
 pub(super) struct Near {
-    /// The sheet node.
+    /// The number of the sheet node, or of the auxiliary point.
     pub node: u32,
     /// In the plane of the centre, length.
     pub offset: [f64; 2],

@@ -9,15 +9,17 @@
 //! little more. Where that makes more masters than fits need, domains shrink again ([`trim`](super::trim)).
 //!
 //! A node on a sharp edge has a domain in each of the sheets that meet there, a *sheet node*: cells of other sheets say nothing of the fits
-//! on this one.
+//! on this one. [Auxiliary](super::auxiliary) points have domains that follow from those of their ends.
 //!
 //! Which nodes a slave may need follows from its closest facet, so facets have lists of them, found once.
 
 use std::ops::Range;
 
+use super::auxiliary::Auxiliary;
+use super::cells::with_auxiliary;
 use super::fits::Demands;
 use super::lists::still_listed;
-use super::sheet_nodes::{SheetNodes, at_place};
+use super::sheet_nodes::{SheetNodes, at_place, ends};
 use super::sheets::{Carried, Listed, Sheets};
 use super::topology::NONE;
 use super::trim::trimmed;
@@ -32,7 +34,9 @@ const MORE: f64 = 1.09;
 pub(crate) struct NodalDomains {
     /// By sheet node its place among the surface's nodes, ascending.
     places: Vec<u32>,
-    /// By sheet node; a metric of zeros where no fit takes it.
+    /// Points between them, which have the numbers after those of sheet nodes.
+    auxiliary: Vec<Auxiliary>,
+    /// By sheet node, and after them by auxiliary point; a metric of zeros where no fit takes it.
     domains: Vec<MaterialDomain>,
     /// Per facet the basis that the fits on it carry.
     bases: Vec<Carried>,
@@ -53,29 +57,31 @@ impl NodalDomains {
         weight: Weight,
         basis: Basis,
     ) -> Self {
-        let nodes = SheetNodes::new(index.surface(), creases);
+        let nodes = SheetNodes::new(index, creases, symmetry, None);
         let sheets = Sheets { index, creases, nodes: &nodes, symmetry, complete: None };
         let cells = sheets.cells();
         let facets: Vec<u32> = (0..index.surface().facet_count() as u32).collect();
         let Demands { factors, bases, .. } = sheets.demands(&cells, weight, basis, &facets);
-        let mut domains = grown(&cells, &factors);
+        let mut domains = grown(&cells, &factors, nodes.auxiliary());
         let mut lists = sheets.lists(&domains, &facets).0;
         let crowded = sheets.crowded(&domains, &facets, &lists);
         if crowded.contains(&true) {
             let ratios = sheets.ratios(&domains, (&bases, weight), (&facets, &lists), |node| crowded[node]);
-            domains = trimmed(&domains, &ratios);
+            domains = trimmed(&domains, &ratios, nodes.auxiliary());
             still_listed(&sheets, &domains, &facets, &mut lists);
         }
-        Self::given(nodes.places().to_vec(), domains, bases, &lists)
+        Self::given((nodes.places().to_vec(), nodes.auxiliary().to_vec()), domains, bases, &lists)
     }
 
-    /// With places and domains by sheet node, and bases and lists by facet.
+    /// With places by sheet node, auxiliary points, domains by sheet node, those of points after them or not, and bases and lists by facet.
     pub fn given(
-        places: Vec<u32>,
-        domains: Vec<MaterialDomain>,
+        (places, auxiliary): (Vec<u32>, Vec<Auxiliary>),
+        mut domains: Vec<MaterialDomain>,
         bases: Vec<Carried>,
         lists: &[Vec<Listed>],
     ) -> Self {
+        domains.truncate(places.len());
+        let domains = with_auxiliary(domains, &auxiliary);
         let ends = lists
             .iter()
             .scan(0, |end, list| {
@@ -84,7 +90,7 @@ impl NodalDomains {
             })
             .collect();
         let shortest = domains.iter().map(MaterialDomain::shortest).fold(f64::INFINITY, f64::min);
-        Self { places, domains, bases, listed: lists.concat(), ends, shortest }
+        Self { places, auxiliary, domains, bases, listed: lists.concat(), ends, shortest }
     }
 
     /// Whether lists name no image from this number on; else the place of one that does among those listed.
@@ -93,7 +99,7 @@ impl NodalDomains {
         self.listed.iter().position(|listed| !is_image(listed)).map_or(Ok(()), Err)
     }
 
-    /// That of a sheet node.
+    /// That of a sheet node, or of an auxiliary point.
     pub fn domain(&self, node: u32) -> &MaterialDomain {
         &self.domains[node as usize]
     }
@@ -101,6 +107,31 @@ impl NodalDomains {
     /// The place of a sheet node among the surface's nodes.
     pub fn place(&self, node: u32) -> u32 {
         self.places[node as usize]
+    }
+
+    /// Whether this is an auxiliary point.
+    pub fn is_auxiliary(&self, node: u32) -> bool {
+        node as usize >= self.places.len()
+    }
+
+    /// An auxiliary point.
+    pub fn auxiliary(&self, node: u32) -> Auxiliary {
+        self.auxiliary[node as usize - self.places.len()]
+    }
+
+    /// The sheet nodes that carry an auxiliary point, or a sheet node twice.
+    pub fn ends(&self, node: u32) -> [u32; 2] {
+        ends(&self.auxiliary, self.places.len(), node)
+    }
+
+    /// The part that the first of these has of it; the second has what is missing to 1.
+    pub fn part(&self, node: u32) -> f64 {
+        if self.is_auxiliary(node) { self.auxiliary(node).part() } else { 1.0 }
+    }
+
+    /// The places of those.
+    pub fn places_of(&self, node: u32) -> [u32; 2] {
+        self.ends(node).map(|end| self.place(end))
     }
 
     /// The sheet nodes at a place.
@@ -127,7 +158,9 @@ impl NodalDomains {
     /// The sheet node at a place that a slave whose closest facet this is may need, or an image of it.
     pub fn listed_at(&self, facet: u32, place: u32) -> Option<u32> {
         let listed = self.listed(facet);
-        let found = listed.binary_search_by_key(&place, |listed| self.place(listed.node)).ok()?;
+        // Auxiliary points come last.
+        let key = |listed: &Listed| self.places.get(listed.node as usize).copied().unwrap_or(NONE);
+        let found = listed.binary_search_by_key(&place, key).ok()?;
         Some(listed[found].node)
     }
 
@@ -137,7 +170,12 @@ impl NodalDomains {
     }
 }
 
-/// The domains of cells with these factors, by sheet node; a metric of zeros where no fit takes it.
-pub(crate) fn grown(cells: &[MaterialDomain], factors: &[f64]) -> Vec<MaterialDomain> {
-    factors.iter().zip(cells).map(|(factor, domain)| domain.times(MORE * factor)).collect()
+/// The domains of cells with these factors, by sheet node, a metric of zeros where no fit takes it; and those of auxiliary points.
+pub(crate) fn grown(
+    cells: &[MaterialDomain],
+    factors: &[f64],
+    auxiliary: &[Auxiliary],
+) -> Vec<MaterialDomain> {
+    let domains = factors.iter().zip(cells).map(|(factor, domain)| domain.times(MORE * factor));
+    with_auxiliary(domains.collect(), auxiliary)
 }

@@ -13,9 +13,8 @@ use crate::{Basis, MaterialDomain, Point, Weight};
 
 /// Where all nodes of a sheet are at hand, domains that reach so many times farther than the farthest weight all alike.
 const WIDEST: f64 = 10.0;
-/// A quadratic basis that asks for a larger factor is not carried, unless the sheet ends before: along a strip of one row of cells that is
-/// curved in its plane nodes would reach from one end to the other. Two
-/// thirds of this are enough inside, and nine tenths at corners and where the size of cells changes.
+/// A quadratic basis that asks for a larger factor is not carried, unless the sheet ends before: nodes would reach from one end of a long
+/// sheet to the other. Two thirds of this are enough inside, and nine tenths at corners and where the size of cells changes.
 const LARGEST_FACTOR: f64 = 4.0;
 /// Nodes are first sought so many extents of a facet around it.
 const FIRST_REACH: f64 = 3.5;
@@ -48,7 +47,7 @@ pub(super) struct Centre {
 #[derive(Default)]
 pub(super) struct Scratch {
     pub found: Found,
-    /// The sheet nodes around a facet, and their images, with their cells or domains.
+    /// The sheet nodes and auxiliary points around a facet, and their images, with their cells or domains.
     around: Vec<(u32, MaterialDomain)>,
     /// How far from the middle of the facet they were sought, and how far from there the outermost of them are that say how far a
     /// search reaches.
@@ -74,8 +73,10 @@ impl Sheets<'_> {
                 let (factor, carried) = factor_at(self, (weight, basis), &centre, (cells, scratch));
                 // Largest and smallest do not depend on the order in which they come; the bits of positive numbers are
                 // ordered like them.
-                for node in scratch.nodes.iter().filter(|node| node.distance < factor) {
-                    factors[node.node as usize].fetch_max(factor.to_bits(), Ordering::Relaxed);
+                for near in scratch.nodes.iter().filter(|near| near.distance < factor) {
+                    for node in self.nodes.ends(near.node) {
+                        factors[node as usize].fetch_max(factor.to_bits(), Ordering::Relaxed);
+                    }
                 }
                 for &facet in centre.others.iter().chain([&centre.facet]) {
                     bases[facet as usize].fetch_min(carried as u8, Ordering::Relaxed);

@@ -29,6 +29,7 @@
 //! ```
 
 mod area;
+mod auxiliary;
 mod border;
 mod cells;
 mod checks;
@@ -56,6 +57,7 @@ pub use symmetry::SymmetryPlane;
 pub use topology::MasterSurface;
 pub use window::{Window, WindowError};
 
+pub(crate) use auxiliary::between;
 pub(crate) use border::{BorderScratch, Creases};
 pub(crate) use checks::{check_facets, check_position};
 pub(crate) use domains::{NodalDomains, grown};

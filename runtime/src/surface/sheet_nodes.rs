@@ -1,21 +1,49 @@
-//! Nodes as the sheets have them: a node on a sharp edge counts once for each sheet that meets there.
+//! Nodes as the sheets have them: a node on a sharp edge counts once for each sheet that meets there. And the [auxiliary](super::auxiliary)
+//! points between them.
 
 use std::ops::Range;
 
+use super::auxiliary::{Auxiliary, Rung, rungs};
 use super::topology::NONE;
-use super::{Creases, MasterSurface};
+use super::{Creases, MasterSurface, SurfaceIndex, Symmetry};
 
-/// The sheet nodes of a surface: of each node one for every run of facets around it that is not parted by the end of a sheet.
+/// The sheet nodes of a surface: of each node one for every run of facets around it that is not parted by the end of a sheet. Auxiliary points
+/// have the numbers after those of sheet nodes.
 #[derive(Clone, Debug)]
 pub(crate) struct SheetNodes {
     /// The node's place in the surface, ascending; those of one place in the order of their lowest facets.
     places: Vec<u32>,
     /// Of the corners of each facet.
     of_corners: Vec<[u32; 4]>,
+    /// Ascending.
+    auxiliary: Vec<Auxiliary>,
+    /// What the edges of each facet are; none where there is no rung.
+    of_edges: Vec<[Rung; 4]>,
 }
 
 impl SheetNodes {
-    pub fn new(surface: &MasterSurface, creases: &Creases) -> Self {
+    /// `complete`: of a part of a surface, by place, whether all facets at the node are there.
+    pub fn new(
+        index: &SurfaceIndex<'_>,
+        creases: &Creases,
+        symmetry: &Symmetry,
+        complete: Option<&[bool]>,
+    ) -> Self {
+        let surface = index.surface();
+        let mut nodes = Self::without_auxiliary(surface, creases);
+        let is_complete = |node: u32| complete.is_none_or(|complete| complete[nodes.place(node)]);
+        let of_edges = rungs(&nodes, index, creases, symmetry, is_complete);
+        for (facet, edges) in (0..).zip(&of_edges) {
+            for (edge, rung) in edges.iter().enumerate() {
+                nodes.auxiliary.extend(rung.points(nodes.ends_of_edge(surface, facet, edge)));
+            }
+        }
+        nodes.auxiliary.sort_unstable();
+        nodes.auxiliary.dedup();
+        Self { of_edges, ..nodes }
+    }
+
+    fn without_auxiliary(surface: &MasterSurface, creases: &Creases) -> Self {
         let mut places = Vec::with_capacity(surface.nodes().len());
         let mut of_corners = vec![[NONE; 4]; surface.facet_count()];
         let mut run = Vec::new();
@@ -31,7 +59,40 @@ impl SheetNodes {
                 places.push(place);
             }
         }
-        Self { places, of_corners }
+        Self { places, of_corners, auxiliary: Vec::new(), of_edges: Vec::new() }
+    }
+
+    /// Ascending; their numbers follow those of sheet nodes.
+    pub fn auxiliary(&self) -> &[Auxiliary] {
+        &self.auxiliary
+    }
+
+    /// What the edges of a facet are; none where there is no rung.
+    pub(super) fn of_edges(&self, facet: u32) -> &[Rung] {
+        self.of_edges.get(facet as usize).map_or(&[], |edges| edges)
+    }
+
+    /// The auxiliary points of an edge, with their numbers.
+    pub(super) fn points_of_edge(
+        &self,
+        surface: &MasterSurface,
+        facet: u32,
+        edge: usize,
+    ) -> impl Iterator<Item = (u32, Auxiliary)> {
+        let points = self.of_edges[facet as usize][edge].points(self.ends_of_edge(surface, facet, edge));
+        let before = |point: &Auxiliary| self.auxiliary.partition_point(|other| other < point);
+        points.map(move |point| ((self.places.len() + before(&point)) as u32, point))
+    }
+
+    /// The sheet nodes at the ends of an edge; of an edge beyond the last one of a triangle some.
+    fn ends_of_edge(&self, surface: &MasterSurface, facet: u32, edge: usize) -> [u32; 2] {
+        let own = self.of_facet(surface, facet);
+        [own[edge % own.len()], own[(edge + 1) % own.len()]]
+    }
+
+    /// The sheet nodes that carry an auxiliary point, or a sheet node twice.
+    pub fn ends(&self, node: u32) -> [u32; 2] {
+        ends(&self.auxiliary, self.places.len(), node)
     }
 
     /// By sheet node, the place of its node in the surface, ascending.
@@ -64,6 +125,11 @@ impl SheetNodes {
         let facets = surface.facets_of_place(self.place(node)).iter().copied();
         facets.filter(move |&facet| self.of_corners[facet as usize].contains(&node))
     }
+}
+
+/// The sheet nodes that carry one of the auxiliary points after so many sheet nodes, or one of these twice.
+pub(super) fn ends(auxiliary: &[Auxiliary], nodes: usize, node: u32) -> [u32; 2] {
+    (node as usize).checked_sub(nodes).map_or([node; 2], |own| auxiliary[own].ends)
 }
 
 /// Which of the sheet nodes with these places, ascending, are those of a place.

@@ -1,5 +1,6 @@
 //! Sheets in their first configuration, which domains are found on.
 
+use super::auxiliary::Rung;
 use super::border::Creases;
 use super::index::SurfaceIndex;
 use super::sheet_nodes::SheetNodes;
@@ -28,7 +29,7 @@ pub(super) struct Found {
     walk: Walk,
     /// Places with the facets over which they were reached.
     reached: Vec<(u32, u32)>,
-    /// Sheet nodes, ascending.
+    /// Sheet nodes, and after them auxiliary points, ascending.
     pub nodes: Vec<u32>,
     /// Whether these may not be all, or not what they are: of any search since it was last set to `false`.
     pub is_open: bool,
@@ -41,7 +42,7 @@ impl Sheets<'_> {
         if listed.image == NONE { *domain } else { self.symmetry.domain_of(listed.image, domain) }
     }
 
-    /// Finds the nodes of the facet's sheet within reach of a point of it.
+    /// Finds the nodes of the facet's sheet within reach of a point of it, and auxiliary points.
     pub(super) fn find(&self, found: &mut Found, (facet, from): (u32, Point), reach: f64) {
         let Found { walk, reached, nodes, is_open } = found;
         walk.start(self.index, facet, from);
@@ -52,6 +53,23 @@ impl Sheets<'_> {
         *is_open |= self.complete.is_some_and(|complete| {
             walk.met_cut() || reached.iter().any(|&(place, _)| !complete[place as usize])
         });
+        let count = nodes.len();
+        let surface = self.index.surface();
+        let position = |node: u32| self.index.positions()[self.nodes.place(node)];
+        walk.facets_within(reach, |facet, is_within| {
+            for (edge, &rung) in self.nodes.of_edges(facet).iter().enumerate() {
+                if rung == Rung::Unknown {
+                    let [from, to] = self.index.shape(facet).edge(edge);
+                    *is_open |= is_within((from + to) / 2.0);
+                }
+                let points = self.nodes.points_of_edge(surface, facet, edge);
+                let within =
+                    points.filter(|(_, point)| is_within(point.position(point.ends.map(position)).into()));
+                nodes.extend(within.map(|(number, _)| number));
+            }
+        });
+        nodes[count..].sort_unstable();
+        nodes.dedup();
     }
 }
 

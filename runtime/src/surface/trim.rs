@@ -13,6 +13,8 @@ use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 
 use rayon::prelude::*;
 
+use super::auxiliary::Auxiliary;
+use super::cells::with_auxiliary;
 use super::conditioning::is_well_conditioned;
 use super::fits::{Centre, Scratch};
 use super::shape::Shape;
@@ -54,7 +56,8 @@ impl Sheets<'_> {
             for place in places(self, facet) {
                 let served = || scratch.around().iter().filter(|(_, domain)| domain.reaches(place.point));
                 if served().count() > CROWD {
-                    served().for_each(|(node, _)| crowded.mark(*node));
+                    let ends = served().flat_map(|(node, _)| self.nodes.ends(*node));
+                    ends.for_each(|node| crowded.mark(node));
                 }
             }
         };
@@ -73,27 +76,30 @@ impl Sheets<'_> {
         is_asked: impl Fn(usize) -> bool + Sync,
     ) -> Ratios {
         let count = self.nodes.places().len();
+        let is_asked = |node: u32| self.nodes.ends(node).iter().any(|&node| is_asked(node as usize));
         let ratios: Vec<AtomicU64> = (0..count).map(|_| AtomicU64::new(0)).collect();
         let crowded = Marks::none(count);
         let of_facet = |scratch: &mut Scratch, (&facet, listed): (&u32, &Vec<Listed>)| {
-            if !listed.iter().any(|own| is_asked(own.node as usize)) {
+            if !listed.iter().any(|own| is_asked(own.node)) {
                 return;
             }
             scratch.take_listed(self, domains, listed);
             for place in places(self, facet) {
                 scratch.look(&place, self.symmetry);
                 let served = scratch.nodes.partition_point(|node| node.distance < 1.0);
-                if !scratch.nodes[..served].iter().any(|node| is_asked(node.node as usize)) {
+                if !scratch.nodes[..served].iter().any(|node| is_asked(node.node)) {
                     continue;
                 }
                 let ratio = smallest_ratio(scratch, weight, bases[facet as usize]);
-                for node in &scratch.nodes[..served] {
-                    if served > CROWD {
-                        crowded.mark(node.node);
+                for near in &scratch.nodes[..served] {
+                    let asked = if near.distance < ratio { ratio } else { SMALLEST_RATIO };
+                    for node in self.nodes.ends(near.node) {
+                        if served > CROWD {
+                            crowded.mark(node);
+                        }
+                        // The largest does not depend on the order; the bits of positive numbers are ordered like them.
+                        ratios[node as usize].fetch_max(asked.to_bits(), Ordering::Relaxed);
                     }
-                    // The largest does not depend on the order; the bits of positive numbers are ordered like them.
-                    let asked = if node.distance < ratio { ratio } else { SMALLEST_RATIO };
-                    ratios[node.node as usize].fetch_max(asked.to_bits(), Ordering::Relaxed);
                 }
             }
         };
@@ -122,15 +128,16 @@ impl Marks {
     }
 }
 
-/// The domains shrunk by the ratios of crowded nodes.
+/// The domains of sheet nodes shrunk by the ratios of crowded ones, and those of auxiliary points.
 pub(crate) fn trimmed(
     domains: &[MaterialDomain],
     Ratios { ratios, crowded }: &Ratios,
+    auxiliary: &[Auxiliary],
 ) -> Vec<MaterialDomain> {
     let trimmed = |((domain, &ratio), &crowded): ((&MaterialDomain, &f64), &bool)| {
         if crowded && ratio > 0.0 { domain.times(ratio) } else { *domain }
     };
-    domains.iter().zip(ratios).zip(crowded).map(trimmed).collect()
+    with_auxiliary(domains.iter().zip(ratios).zip(crowded).map(trimmed).collect(), auxiliary)
 }
 
 /// The smallest ratio for which the fit at a place is well conditioned, as it is with all larger ones; 1 if it is not as it is.

@@ -34,6 +34,8 @@ pub struct Walk {
     next: BinaryHeap<Reverse<(u64, u32)>>,
     /// Nodes in the order in which they were reached.
     corners: Vec<u32>,
+    /// Facets in the order in which they were stepped on, with the level then.
+    steps: Vec<(u32, u64)>,
     /// Whether a facet was stepped on that the surface is cut at.
     met_cut: bool,
     from: Vector3,
@@ -53,6 +55,7 @@ impl Walk {
         }
         self.next.clear();
         self.corners.clear();
+        self.steps.clear();
         self.level = 0;
         self.met_cut = false;
         self.from = slave.into();
@@ -110,9 +113,21 @@ impl Walk {
         found.sort_unstable_by_key(|&(place, _)| place);
     }
 
+    /// The facets stepped on since the start. `f` gets each with the question whether a point of it belongs to what was asked for: it is
+    /// nearer to the slave than `reach`, and reached over facets none of which is farther than it.
+    pub fn facets_within(&self, reach: f64, mut f: impl FnMut(u32, &dyn Fn(Vector3) -> bool)) {
+        for &(facet, level) in &self.steps {
+            f(facet, &|point| {
+                let square = (point - self.from).norm_squared();
+                square < reach * reach && level <= square.to_bits()
+            });
+        }
+    }
+
     /// Marks the corners of a facet, and sees its neighbours across edges that are not sharp.
     fn step_on(&mut self, index: &SurfaceIndex<'_>, creases: &Creases, facet: usize) {
         let surface = index.surface();
+        self.steps.push((facet as u32, self.level));
         for &corner in surface.corners_of(facet) {
             let reached = &mut self.reached[corner as usize];
             // The nearest facets come first, so that the first level is the lowest.

@@ -152,8 +152,20 @@ fn bumps(triangles: bool) -> Pair {
     Pair::new([7, 5], triangles, low, high)
 }
 
+/// One row of each: fits take auxiliary points between their nodes.
+fn strips() -> Pair {
+    let mut pair = bumps(false);
+    (pair.master, pair.slave) = (pair.master[21..28].to_vec(), pair.slave[10..15].to_vec());
+    pair
+}
+
 #[test]
 fn forces_and_moments_balance() {
+    let pair = strips();
+    let mut interface = pair.interface(ContactElement::default(), FaceRule::Second);
+    interface.refresh(&pair.positions).unwrap();
+    let law = ContactLaw::penalty(200.0);
+    pair.assert_balance(&pair.forces(interface.evaluate(&law, Mode::Gradient).unwrap()));
     for element in elements() {
         for triangles in [false, true] {
             let pair = bumps(triangles);
@@ -263,6 +275,7 @@ fn the_tangent_is_exact_with_the_points_held() {
         assert_tangent(&bumps(k % 2 == 1), element, &[]);
     }
     assert_tangent(&bumps(false), ContactElement::NodeToFacet, &[]);
+    assert_tangent(&strips(), ContactElement::default(), &[]);
     for second in Second::ALL {
         let (pair, faces) = bumps_of_second_order(second);
         assert_tangent(&pair, ContactElement::default(), &faces);

@@ -27,12 +27,32 @@ pub(super) enum Side {
 #[derive(Clone, Default)]
 pub(super) struct Part {
     pub contacts: Vec<Contact>,
-    /// Slave and points of each contact, by place among the nodes that take part.
+    /// Slave and points of each contact, by place among the nodes that take part: of an auxiliary point both its ends.
     pub nodes: Vec<u32>,
     /// The image each of them is, if there is any.
     pub images: Vec<usize>,
+    /// What each of them has of its point, up to the last that is an end.
+    pub roles: Vec<Role>,
     pub gradients: Vec<f64>,
     pub seconds: Vec<f64>,
+}
+
+/// What a node has of a point.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Role {
+    /// It is the point.
+    Whole,
+    /// Its part of a point that this node carries …
+    First(f64),
+    /// … and the one after it.
+    Second(f64),
+}
+
+/// A node of a contact: where it is among all, its point, and what it has of that.
+struct Share {
+    place: usize,
+    point: usize,
+    part: f64,
 }
 
 #[derive(Clone, Copy, Debug)]
@@ -42,6 +62,8 @@ pub(super) struct Contact {
     /// f, force.
     pub force: f64,
     /// Slave and points.
+    pub points: usize,
+    /// Nodes of these.
     pub nodes: usize,
     pub gradient: usize,
     pub second: SecondForm,
@@ -90,7 +112,7 @@ impl Part {
         let LinearContacts { contacts: all, points, gradients, seconds } = found;
         let mut contacts = reserve("contacts", all.len())?;
         let mut nodes = reserve("points", points.len() + all.len())?;
-        let mut images = Vec::new();
+        let (mut images, mut roles) = (Vec::new(), Vec::new());
         let mut rest = &points[..];
         for contact in all {
             let (own, others) = rest.split_at(contact.points);
@@ -112,25 +134,36 @@ impl Part {
             if !(force > 0.0) {
                 continue;
             }
+            let start = nodes.len();
+            nodes.push(numbering.number(k, slaves[k])?);
+            for point in own {
+                let is_auxiliary = point.carriers().count() > 1;
+                for ((Carrier { node, image }, part), role) in
+                    point.carriers().zip([Role::First, Role::Second])
+                {
+                    nodes.push(numbering.number(k, node as usize)?);
+                    if is_auxiliary {
+                        roles.resize(nodes.len() - 1, Role::Whole);
+                        roles.push(role(part));
+                    }
+                    if let Some(image) = image {
+                        images.resize(nodes.len() - 1, NONE);
+                        images.push(image as usize);
+                    }
+                }
+            }
             contacts.push(Contact {
                 stiffness,
                 force,
-                nodes: own.len() + 1,
+                points: own.len() + 1,
+                nodes: nodes.len() - start,
                 gradient: contact.gradient,
                 second: contact.second,
                 second_start: contact.second_start,
                 skew: None,
             });
-            nodes.push(numbering.number(k, slaves[k])?);
-            for &Carrier { node, image } in own {
-                nodes.push(numbering.number(k, node as usize)?);
-                if let Some(image) = image {
-                    images.resize(nodes.len() - 1, NONE);
-                    images.push(image as usize);
-                }
-            }
         }
-        Ok(Self { contacts, nodes, images, gradients, seconds })
+        Ok(Self { contacts, nodes, images, roles, gradients, seconds })
     }
 
     /// Appends a contact with friction that carries force, all but its nodes.
@@ -174,6 +207,7 @@ impl Part {
         self.contacts.push(Contact {
             stiffness,
             force: -1.0,
+            points: nodes.len() + 1,
             nodes: nodes.len() + 1,
             gradient: first,
             second: SecondForm::Packed,
@@ -194,9 +228,24 @@ impl Part {
         })
     }
 
+    /// The nodes of a contact whose first one is at `start`.
+    fn shares(&self, start: usize, contact: &Contact) -> impl Iterator<Item = Share> + Clone {
+        let mut points = 0;
+        (start..start + contact.nodes).map(move |place| {
+            let role = self.roles.get(place).copied().unwrap_or(Role::Whole);
+            let (is_next, part) = match role {
+                Role::Whole => (true, 1.0),
+                Role::First(part) => (true, part),
+                Role::Second(part) => (false, part),
+            };
+            points += usize::from(is_next);
+            Share { place, point: points - 1, part }
+        })
+    }
+
     /// Room for a vector over the freedoms of any contact.
     fn room(&self) -> Vec<f64> {
-        vec![0.0; 3 * self.contacts.iter().map(|contact| contact.nodes).max().unwrap_or(0)]
+        vec![0.0; 3 * self.contacts.iter().map(|contact| contact.points).max().unwrap_or(0)]
     }
 
     /// Q of the point at a place, if it is an image.
@@ -214,14 +263,16 @@ impl Part {
     ) {
         let (mut v, mut product) = (self.room(), self.room());
         for (start, contact) in self.placed() {
-            let freedoms = 3 * contact.nodes;
-            for (k, v) in v[..freedoms].as_chunks_mut::<3>().0.iter_mut().enumerate() {
-                let node = moves[self.nodes[start + k] as usize];
-                *v = forth(self.rotation(rotations, start + k), node);
+            let (v, product) = (&mut v[..3 * contact.points], &mut product[..3 * contact.points]);
+            v.fill(0.0);
+            for Share { place, point, part } in self.shares(start, contact) {
+                let moved = forth(self.rotation(rotations, place), moves[self.nodes[place] as usize]);
+                v[3 * point..].iter_mut().zip(moved).for_each(|(v, x)| *v += part * x);
             }
-            self.element(side, contact, &v[..freedoms], &mut product[..freedoms]);
-            for (k, product) in product[..freedoms].as_chunks::<3>().0.iter().enumerate() {
-                target[start + k] = back(self.rotation(rotations, start + k), *product);
+            self.element(side, contact, v, product);
+            let product = product.as_chunks::<3>().0;
+            for Share { place, point, part } in self.shares(start, contact) {
+                target[place] = back(self.rotation(rotations, place), product[point]).map(|x| part * x);
             }
         }
     }
@@ -254,34 +305,34 @@ impl Part {
     pub fn diagonal(&self, rotations: &[[[f64; 3]; 3]], target: &mut [[f64; 3]]) {
         let (mut v, mut product) = (self.room(), self.room());
         for (start, contact) in self.placed() {
-            let nodes = &self.nodes[start..][..contact.nodes];
-            let freedoms = 3 * contact.nodes;
-            let (v, product) = (&mut v[..freedoms], &mut product[..freedoms]);
+            let (v, product) = (&mut v[..3 * contact.points], &mut product[..3 * contact.points]);
             self.element_diagonal(contact, product);
-            for (k, entries) in product.as_chunks::<3>().0.iter().enumerate() {
-                target[start + k] = *entries;
+            for Share { place, point, .. } in self.shares(start, contact) {
+                target[place] = product.as_chunks::<3>().0[point];
             }
-            // Of a node that takes part more than once, or as an image, the entries are those of products with its own moves.
-            for k in 0..nodes.len() {
-                let same = || (0..nodes.len()).filter(|&other| nodes[other] == nodes[k]);
-                let is_plain = same().count() == 1 && self.rotation(rotations, start + k).is_none();
-                if is_plain {
+            // Of a node that takes part more than once, as an image or with a part of a point, the entries are those of products with its own
+            // moves.
+            let shares = || self.shares(start, contact);
+            for own in shares() {
+                let same = || shares().filter(|other| self.nodes[other.place] == self.nodes[own.place]);
+                let is_whole = own.part == 1.0 && self.rotation(rotations, own.place).is_none();
+                if is_whole && same().count() == 1 {
                     continue;
                 }
-                let first = same().next() == Some(k);
-                target[start + k] = [0.0; 3];
+                let first = same().next().is_some_and(|first| first.place == own.place);
+                target[own.place] = [0.0; 3];
                 for axis in (0..3).filter(|_| first) {
                     let mut unit = [0.0; 3];
                     unit[axis] = 1.0;
                     v.fill(0.0);
-                    for place in same() {
-                        let moved = forth(self.rotation(rotations, start + place), unit);
-                        v[3 * place..][..3].copy_from_slice(&moved);
+                    for Share { place, point, part } in same() {
+                        let moved = forth(self.rotation(rotations, place), unit);
+                        v[3 * point..].iter_mut().zip(moved).for_each(|(v, x)| *v += part * x);
                     }
                     self.element(Side::Right, contact, v, product);
-                    for place in same() {
-                        let own = [0, 1, 2].map(|axis| product[3 * place + axis]);
-                        target[start + k][axis] += back(self.rotation(rotations, start + place), own)[axis];
+                    for Share { place, point, part } in same() {
+                        let by = [0, 1, 2].map(|axis| product[3 * point + axis]);
+                        target[own.place][axis] += part * back(self.rotation(rotations, place), by)[axis];
                     }
                 }
             }
@@ -349,6 +400,7 @@ mod tests {
         let contact = Contact {
             stiffness: 2.0,
             force: 0.0,
+            points: 2,
             nodes: 2,
             gradient: 0,
             second: SecondForm::None,

@@ -21,7 +21,7 @@
 //!   closest one, at the positions of the moment. They have to be in the window: a slave knows of everything within a ball around it if
 //!   that lies in one of the window's boxes. Facets that meet a box, with the skin around it, are the *core* of the window.
 //! * **Listed nodes**: the domains that reach the closest facet in the first configuration. They are found once, by the owner of the
-//!   facet, and travel with it: so do domains, the basis that fits carry there, and where sheets end. None of them is
+//!   facet, and travel with it: so do the auxiliary points between them, domains, the basis that fits carry there, and where sheets end. None of them is
 //!   found again in a window.
 //! * **Border of the patch**: the facets at listed nodes. All of them are in the window, with all their corners, around its core.
 //! * **Order**: ties go to the lower number, sums run through nodes in ascending order. A window keeps the order of the numbers of the
@@ -61,8 +61,10 @@ pub use boxes::boxes_around;
 pub use error::WindowError;
 pub(crate) use known::Known;
 
+use super::auxiliary::Auxiliary;
 use super::domains::NodalDomains;
 pub use super::extents::Extents;
+use super::sheet_nodes::ends;
 use super::topology::NONE;
 use super::{Carried, Creases, Facet, Listed, MasterSurface, SymmetryPlane};
 use crate::{Basis, MaterialDomain, Point, Weight};
@@ -93,9 +95,11 @@ pub struct Window {
     nodes: Vec<u64>,
     /// By ascending place among the nodes, each of which is there.
     sheet_nodes: Vec<WindowNode>,
+    /// The auxiliary points that are listed, with their ends by place among the sheet nodes; ascending.
+    auxiliary: Vec<Auxiliary>,
     /// By ascending number.
     facets: Vec<WindowFacet>,
-    /// Lists of the core's facets, one after another, by place among the sheet nodes.
+    /// Lists of the core's facets, one after another, by place among the sheet nodes and the auxiliary points after them.
     listed: Vec<Listed>,
 }
 
@@ -138,8 +142,8 @@ impl Sheet<'_> {
         let mut facets = core.clone();
         for &facet in &core {
             let listed = self.domains.listed(facet).iter();
-            let places = listed.map(|listed| self.domains.place(listed.node) as usize);
-            facets.extend(places.flat_map(|place| surface.facets_of_place(place)));
+            let places = listed.flat_map(|listed| self.domains.places_of(listed.node));
+            facets.extend(places.flat_map(|place| surface.facets_of_place(place as usize)));
         }
         sort(&mut facets);
         let mut places: Vec<u32> =
@@ -148,6 +152,19 @@ impl Sheet<'_> {
         let place_of = |place: &u32| places.binary_search(place).map_or(NONE, |place| place as u32);
         let sheet_nodes: Vec<u32> = places.iter().flat_map(|&place| self.domains.at(place)).collect();
         let sheet_node_of = |node: &u32| sheet_nodes.binary_search(node).map_or(NONE, |node| node as u32);
+        let lists = core.iter().flat_map(|&facet| self.domains.listed(facet));
+        let mut points: Vec<u32> =
+            lists.map(|listed| listed.node).filter(|&node| self.domains.is_auxiliary(node)).collect();
+        sort(&mut points);
+        let own = |&node: &u32| {
+            let point = self.domains.auxiliary(node);
+            Auxiliary { ends: point.ends.map(|end| sheet_node_of(&end)), ..point }
+        };
+        let auxiliary = points.iter().map(own).collect();
+        let listed_of = |node: &u32| match points.binary_search(node) {
+            Ok(point) => (sheet_nodes.len() + point) as u32,
+            Err(_) => sheet_node_of(node),
+        };
         let mut listed = Vec::new();
         let facet = |&facet: &u32| {
             let mut corners = [NONE; 4];
@@ -158,7 +175,7 @@ impl Sheet<'_> {
             let is_border = |edge, other| other == NONE && !surface.is_cut(facet as usize, edge);
             let core = core.binary_search(&facet).is_ok().then(|| {
                 let list = self.domains.listed(facet);
-                listed.extend(list.iter().map(|own| Listed { node: sheet_node_of(&own.node), ..*own }));
+                listed.extend(list.iter().map(|own| Listed { node: listed_of(&own.node), ..*own }));
                 (self.domains.carried(facet), list.len() as u32)
             });
             WindowFacet {
@@ -177,7 +194,7 @@ impl Sheet<'_> {
         let sheet_nodes = sheet_nodes.iter().map(window_node).collect();
         let nodes = places.iter().map(|&place| (self.node_number)(place)).collect();
         let (setup, boxes) = (self.setup.clone(), boxes.to_vec());
-        Window { setup, boxes, skin, nodes, sheet_nodes, facets, listed }
+        Window { setup, boxes, skin, nodes, sheet_nodes, auxiliary, facets, listed }
     }
 }
 
@@ -268,7 +285,20 @@ impl Window {
         let sheet_node = |&(place, sheet, _): &(u32, u32, _)| {
             all.binary_search_by_key(&(place, sheet), |own| (own.0, own.1)).map_or(NONE, |node| node as u32)
         };
-        let joined: Vec<Vec<u32>> = known.iter().map(|own| own.iter().map(sheet_node).collect()).collect();
+        let mut joined: Vec<Vec<u32>> =
+            known.iter().map(|own| own.iter().map(sheet_node).collect()).collect();
+        let auxiliary_of = |(joined, window): (&Vec<u32>, &Self)| -> Vec<Auxiliary> {
+            let own =
+                |point: &Auxiliary| Auxiliary { ends: point.ends.map(|end| joined[end as usize]), ..*point };
+            window.auxiliary.iter().map(own).collect()
+        };
+        let known_points: Vec<Vec<Auxiliary>> = joined.iter().zip(windows).map(auxiliary_of).collect();
+        let mut auxiliary = known_points.concat();
+        sort(&mut auxiliary);
+        for (joined, own) in joined.iter_mut().zip(&known_points) {
+            let number = |point: &Auxiliary| all.len() + auxiliary.partition_point(|own| own < point);
+            joined.extend(own.iter().map(|point| number(point) as u32));
+        }
         let sheet_nodes = all.iter().map(|&(place, _, domain)| WindowNode { place, domain }).collect();
         let mut facets: Vec<(WindowFacet, Vec<Listed>)> = Vec::new();
         for ((places, joined), window) in places.iter().zip(&joined).zip(windows) {
@@ -293,7 +323,7 @@ impl Window {
         let listed = facets.iter().flat_map(|(_, list)| list).copied().collect();
         let facets = facets.into_iter().map(|(facet, _)| facet).collect();
         let (setup, boxes, skin) = (first.setup.clone(), first.boxes.clone(), first.skin);
-        Ok(Self { setup, boxes, skin, nodes, sheet_nodes, facets, listed })
+        Ok(Self { setup, boxes, skin, nodes, sheet_nodes, auxiliary, facets, listed })
     }
 
     /// Its sheet nodes with other places of the nodes, and with which of their node's they are, from 0.
@@ -324,7 +354,9 @@ impl Window {
         let mut is_cut = vec![false; self.nodes.len()];
         surface.cut_edges().flatten().for_each(|node| is_cut[node] = true);
         for (facet, list) in self.facets_with_lists() {
-            let mut places = list.iter().map(|listed| self.sheet_nodes[listed.node as usize].place as usize);
+            let ends =
+                list.iter().flat_map(|listed| ends(&self.auxiliary, self.sheet_nodes.len(), listed.node));
+            let mut places = ends.map(|end| self.sheet_nodes[end as usize].place as usize);
             if let Some(place) = places.find(|&place| is_cut[place]) {
                 let node = self.nodes[place];
                 return Err(WindowError::Incomplete { facet: facet.number, node });
@@ -335,7 +367,8 @@ impl Window {
         let bases = self.facets.iter().map(carried).collect();
         let lists: Vec<Vec<Listed>> = self.facets_with_lists().map(|(_, list)| list.to_vec()).collect();
         let creases = Creases::given(self.facets.iter().map(|facet| facet.ends).collect());
-        Ok((surface, NodalDomains::given(places, domains, bases, &lists), creases))
+        let auxiliary = self.auxiliary.clone();
+        Ok((surface, NodalDomains::given((places, auxiliary), domains, bases, &lists), creases))
     }
 
     /// The facets of its core with their places, ascending, corners by place among its nodes.

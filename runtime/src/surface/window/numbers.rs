@@ -1,22 +1,25 @@
 //! Windows as plain numbers, for a host to send.
 
+use super::super::auxiliary::AuxiliaryKind;
 use super::{
-    Box3, Carried, Extents, LARGEST_NUMBER, Listed, MaterialDomain, NONE, Setup, SymmetryPlane, Window,
-    WindowError, WindowFacet, WindowNode, check_boxes,
+    Auxiliary, Box3, Carried, Extents, LARGEST_NUMBER, Listed, MaterialDomain, NONE, Setup, SymmetryPlane,
+    Window, WindowError, WindowFacet, WindowNode, check_boxes,
 };
 use crate::{Basis, Point, Weight};
 
 /// Of the integers: what they are, so that others are refused.
-const MAGIC: i64 = 0x0064_6377_696e_0002;
+const MAGIC: i64 = 0x0064_6377_696e_0003;
 /// Integers before those of nodes.
-const HEADER: usize = 9;
+const HEADER: usize = 10;
 /// Integers of a facet: number, corners, bits, length of its list.
 const FACET: usize = 7;
+/// Integers of an auxiliary point: its ends and its kind.
+const AUXILIARY: usize = 3;
 /// Bits of a facet.
 const ENDS: u32 = 4;
 const CARRIED: u32 = 8;
 const IS_CORE: i64 = 1 << 10;
-/// An image in the number of a listed sheet node; 0: the node itself.
+/// An image in the number of a listed sheet node or auxiliary point; 0: itself.
 const IMAGE: u32 = 32;
 /// Numbers before those of planes, and of a sheet node.
 const REALS: usize = 9;
@@ -35,6 +38,7 @@ impl Window {
             self.boxes.len(),
             self.nodes.len(),
             self.sheet_nodes.len(),
+            self.auxiliary.len(),
             self.facets.len(),
             self.listed.len(),
         ];
@@ -42,6 +46,9 @@ impl Window {
         integers.extend(counts.map(|count| count as i64));
         integers.extend(self.nodes.iter().map(|&number| number as i64));
         integers.extend(self.sheet_nodes.iter().map(|node| i64::from(node.place)));
+        let point =
+            |&Auxiliary { ends: [from, to], kind }: &Auxiliary| [i64::from(from), i64::from(to), kind as i64];
+        integers.extend(self.auxiliary.iter().flat_map(point));
         for WindowFacet { number, corners, borders, ends, core } in &self.facets {
             let corner = |&corner: &u32| if corner == NONE { -1 } else { i64::from(corner) };
             integers.push(*number as i64);
@@ -73,19 +80,21 @@ impl Window {
     /// [`WindowError::Invalid`] for numbers that are none of a window, [`WindowError::InvalidBox`].
     pub fn from_numbers(integers: &[i64], reals: &[f64]) -> Result<Self, WindowError> {
         let Header { weight, basis, counts } = Header::of(integers, reals)?;
-        let [planes, boxes, nodes, sheet_nodes, facets, listed] = counts;
+        let [planes, boxes, nodes, sheet_nodes, auxiliary, facets, listed] = counts;
         let mut rest = &integers[HEADER..];
         let numbers = take(&mut rest, nodes);
         check_ascending("node", numbers.iter().copied())?;
         let places = take(&mut rest, sheet_nodes);
         check_places(places, nodes)?;
+        let auxiliary = auxiliary_of(take(&mut rest, AUXILIARY * auxiliary), sheet_nodes)?;
+        let listable = sheet_nodes + auxiliary.len();
         let rows = take(&mut rest, FACET * facets).as_chunks::<FACET>().0;
         check_ascending("facet", rows.iter().map(|row| row[0]))?;
         let invalid = |what, place| WindowError::Invalid { what, place };
         let facets = rows.iter().enumerate().map(|(k, row)| facet_of(row, nodes).ok_or(invalid("facet", k)));
         let facets = facets.collect::<Result<Vec<WindowFacet>, WindowError>>()?;
         let list = take(&mut rest, listed).iter().enumerate();
-        let list = list.map(|(k, &number)| listed_of(number, sheet_nodes).ok_or(invalid("listed node", k)));
+        let list = list.map(|(k, &number)| listed_of(number, listable).ok_or(invalid("listed node", k)));
         let list = list.collect::<Result<Vec<Listed>, WindowError>>()?;
         let counted: usize = facets.iter().filter_map(|facet| facet.core).map(|core| core.1 as usize).sum();
         if counted != listed {
@@ -109,7 +118,7 @@ impl Window {
         let point = |k: usize| -> Point { [reals[k], reals[k + 1], reals[k + 2]] };
         let extents = Extents { low: point(1), high: point(4), facet: reals[7] };
         let setup = Setup { weight, basis, feature_angle_degrees: reals[0], planes, extents };
-        Ok(Self { setup, boxes, skin, nodes, sheet_nodes, facets, listed: list })
+        Ok(Self { setup, boxes, skin, nodes, sheet_nodes, auxiliary, facets, listed: list })
     }
 }
 
@@ -117,8 +126,8 @@ impl Window {
 struct Header {
     weight: Weight,
     basis: Basis,
-    /// Of planes, boxes, nodes, facets and listed nodes.
-    counts: [usize; 6],
+    /// Of planes, boxes, nodes, sheet nodes, auxiliary points, facets and listed nodes.
+    counts: [usize; 7],
 }
 
 impl Header {
@@ -133,15 +142,15 @@ impl Header {
         let (MAGIC, Some(weight), Some(basis)) = (header[0], weight, basis) else {
             return Err(invalid("integer", 0));
         };
-        let mut counts = [0; 6];
+        let mut counts = [0; 7];
         for (count, (place, &number)) in counts.iter_mut().zip(header.iter().enumerate().skip(3)) {
             // More than there are numbers are none, so that no product below is too large.
             let most = integers.len() + reals.len();
             let number = usize::try_from(number).ok().filter(|&number| number <= most);
             *count = number.ok_or(invalid("integer", place))?;
         }
-        let [planes, boxes, nodes, sheet_nodes, facets, listed] = counts;
-        if rest.len() != nodes + sheet_nodes + FACET * facets + listed {
+        let [planes, boxes, nodes, sheet_nodes, auxiliary, facets, listed] = counts;
+        if rest.len() != nodes + sheet_nodes + AUXILIARY * auxiliary + FACET * facets + listed {
             return Err(invalid("integer", integers.len()));
         }
         if reals.len() != REALS + BOX * planes + BOX * boxes + NODE * sheet_nodes {
@@ -188,6 +197,28 @@ fn check_places(places: &[i64], nodes: usize) -> Result<(), WindowError> {
     }
 }
 
+/// Refuses auxiliary points that are not ascending, or whose ends are not two sheet nodes.
+fn auxiliary_of(numbers: &[i64], sheet_nodes: usize) -> Result<Vec<Auxiliary>, WindowError> {
+    let mut all: Vec<Auxiliary> = Vec::new();
+    for (place, &[from, to, kind]) in numbers.as_chunks::<AUXILIARY>().0.iter().enumerate() {
+        let end = |end: i64| usize::try_from(end).ok().filter(|&end| end < sheet_nodes).map(|end| end as u32);
+        let kind = match kind {
+            0 => Some(AuxiliaryKind::Middle),
+            1 => Some(AuxiliaryKind::Ghost),
+            _ => None,
+        };
+        let point = || Some(Auxiliary { ends: [end(from)?, end(to)?], kind: kind? });
+        let is_sound = |point: &Auxiliary| {
+            let [from, to] = point.ends;
+            (from < to || from > to && point.kind == AuxiliaryKind::Ghost)
+                && all.last().is_none_or(|last| last < point)
+        };
+        let invalid = WindowError::Invalid { what: "auxiliary point", place };
+        all.push(point().filter(is_sound).ok_or(invalid)?);
+    }
+    Ok(all)
+}
+
 /// Refuses lists that are not ascending, a node before its images: they are searched as such.
 fn check_lists(facets: &[WindowFacet], listed: &[Listed]) -> Result<(), WindowError> {
     let order = |own: &Listed| (own.node, own.image.wrapping_add(1));
@@ -224,10 +255,10 @@ fn facet_of(&[number, a, b, c, d, bits, count]: &[i64; FACET], nodes: usize) -> 
     Some(WindowFacet { number: number as u64, corners, borders, ends, core })
 }
 
-fn listed_of(number: i64, sheet_nodes: usize) -> Option<Listed> {
+fn listed_of(number: i64, listable: usize) -> Option<Listed> {
     let number = u64::try_from(number).ok()?;
     let (node, image) = (number & u64::from(u32::MAX), number >> IMAGE);
-    let node = usize::try_from(node).ok().filter(|&node| node < sheet_nodes)? as u32;
+    let node = usize::try_from(node).ok().filter(|&node| node < listable)? as u32;
     let image = if image == 0 { NONE } else { u32::try_from(image - 1).ok()? };
     Some(Listed { node, image })
 }

@@ -703,6 +703,18 @@ module diffuse_contact
             integer(c_int) :: status
         end function
 
+        function dc_faces_create_self_contact(positions, node_count, facets, facet_count, options, degree, faces) &
+                bind(c) result(status)
+            import :: c_double, c_int, c_int32_t, c_ptr, c_size_t, dc_options
+            real(c_double), intent(in) :: positions(*)
+            integer(c_size_t), value :: node_count, facet_count
+            integer(c_int32_t), intent(in) :: facets(*)
+            type(dc_options), intent(in), optional :: options
+            integer(c_int32_t), value :: degree
+            type(c_ptr), intent(out) :: faces
+            integer(c_int) :: status
+        end function
+
         function dc_faces_create_in_window(master, slave, positions, node_count, options, degree, faces) &
                 bind(c) result(status)
             import :: c_double, c_int, c_int32_t, c_ptr, c_size_t, dc_options

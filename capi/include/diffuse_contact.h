@@ -1215,9 +1215,9 @@ enum dc_status dc_history_lengths(const double *history,
 //
 // `positions`: x, y, z of all `node_count` nodes in the first configuration; indices count from 0. `facets`: the master surface,
 // `slave_facets`: the faces of the slave, none of their nodes on the master; of both 4 nodes for each facet, counter-clockwise
-// seen from outside, the fourth -1 for a triangle. NULL and 0: the surface of `facets` is in contact with itself, and its nodes are the
-// slaves; give the law half of the penalty then. `options`: NULL for the defaults; `rule` has to be DC_DOMAINS, `areas` and
-// `cutback_penetration` have no meaning. `degree`: 2 or 4, of the polynomials that are integrated exactly on each piece of a face.
+// seen from outside, the fourth -1 for a triangle. NULL and 0 where there are no slave facets, as on a rank of MPI. `options`: NULL for the
+// defaults; `rule` has to be DC_DOMAINS, `areas` and `cutback_penetration` have no meaning. `degree`: 2 or 4, of the polynomials that are
+// integrated exactly on each piece of a face.
 //
 // On failure the handle is NULL.
 //
@@ -1232,6 +1232,20 @@ enum dc_status dc_faces_create(const double *positions,
                                const struct dc_options *options,
                                int32_t degree,
                                struct dc_faces **faces);
+
+// Makes an object for contact over faces of a surface with itself: each of its facets is a face of the slave, and `facets` are all that it
+// may touch. The surface may be the skins of several bodies, and its nodes are the slaves. Give the law half of the penalty between two
+// surfaces: both sides push. All else is as with dc_faces_create.
+//
+// # Safety
+// As dc_faces_create.
+enum dc_status dc_faces_create_self_contact(const double *positions,
+                                            size_t node_count,
+                                            const int32_t *facets,
+                                            size_t facet_count,
+                                            const struct dc_options *options,
+                                            int32_t degree,
+                                            struct dc_faces **faces);
 
 // Destroys it. NULL is DC_OK, a handle that was destroyed before is DC_BAD_HANDLE.
 enum dc_status dc_faces_destroy(struct dc_faces *faces);

@@ -463,11 +463,13 @@ fn a_surface_touches_itself() {
     unsafe {
         let (nodes, count) = (pair.nodes(), facets.len() / 4);
         let (start, moved) = (apart.as_flattened().as_ptr(), pair.positions.as_ptr());
-        let create = |slaves: usize, handle: &mut *mut dc_faces| {
-            dc_faces_create(start, nodes, facets.as_ptr(), count, null(), slaves, null(), 2, handle)
+        let create = |facets: *const i32, degree: i32, handle: &mut *mut dc_faces| {
+            dc_faces_create_self_contact(start, nodes, facets, count, null(), degree, handle)
         };
-        assert_eq!(create(1, &mut handle), DC_BAD_POINTER);
-        assert_eq!(create(0, &mut handle), DC_OK, "{}", message());
+        assert_eq!(create(null(), 2, &mut handle), DC_BAD_POINTER);
+        assert_eq!(create(facets.as_ptr(), 3, &mut handle), DC_BAD_OPTION);
+        assert!(handle.is_null());
+        assert_eq!(create(facets.as_ptr(), 2, &mut handle), DC_OK, "{}", message());
         let mut slaves = 0;
         assert_eq!(dc_faces_counts(handle, null_mut(), &mut slaves), DC_OK);
         assert_eq!(slaves, nodes);
@@ -478,5 +480,35 @@ fn a_surface_touches_itself() {
     }
     assert_eq!(residual, sum);
     assert_sides(&residual);
+    assert_eq!(dc_faces_destroy(handle), DC_OK);
+}
+
+/// Of a rank that has none.
+#[test]
+fn without_slave_facets_there_are_no_faces() {
+    let pair = Pair::new();
+    let (facets, positions) = (flat(&pair.master), pair.positions.as_ptr());
+    let (nodes, count, size) = (pair.nodes(), facets.len() / 4, pair.positions.len());
+    let (mut handle, mut slaves, mut points, mut active) = (null_mut(), 9, 9, 9);
+    let mut residual = vec![0.0; size];
+    let [no, none] = [(); 2].map(|()| null_mut());
+    // SAFETY: the arrays have the lengths given.
+    unsafe {
+        let create = |slaves: usize, handle: &mut *mut dc_faces| {
+            dc_faces_create(positions, nodes, facets.as_ptr(), count, null(), slaves, null(), 2, handle)
+        };
+        assert_eq!(create(1, &mut handle), DC_BAD_POINTER);
+        assert_eq!(create(0, &mut handle), DC_OK, "{}", message());
+        assert_eq!(dc_faces_counts(handle, null_mut(), &mut slaves), DC_OK);
+        assert_eq!(dc_faces_slaves(handle, null_mut(), 0), DC_OK);
+        assert_eq!(dc_faces_refresh(handle, positions, nodes, null_mut()), DC_OK, "{}", message());
+        assert_eq!(dc_faces_evaluate(handle, &law(&[]), 2), DC_OK, "{}", message());
+        let status = dc_faces_add_forces(handle, residual.as_mut_ptr(), size, &mut active, null_mut());
+        assert_eq!(status, DC_OK);
+        let asked = dc_faces_points(handle, null_mut(), no, no, no, no, none, none, 0, &mut points);
+        assert_eq!(asked, DC_OK);
+    }
+    assert_eq!((slaves, points, active), (0, 0, 0));
+    assert!(residual.iter().all(|&force| force == 0.0));
     assert_eq!(dc_faces_destroy(handle), DC_OK);
 }

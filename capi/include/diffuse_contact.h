@@ -408,9 +408,9 @@ typedef struct dc_law {
     size_t size;
     // Force per length, or per length^3 where contacts carry areas; positive.
     double penalty;
-    // lambda of each slave, at least 0: the forces of the augmented Lagrangian. NULL, or none of them, for the penalty method.
+    // lambda of each slave, at least 0: the forces of the augmented Lagrangian. NULL for the penalty method.
     const double *multipliers;
-    // Number of multipliers: of slaves, 1 for a single element, or 0.
+    // Number of multipliers: of slaves, or 1 for a single element; 0 with NULL.
     size_t multiplier_count;
     // dc_tangent; 0 is DC_EXACT.
     int32_t tangent;
@@ -431,8 +431,8 @@ typedef struct dc_law {
     // A normal law by table, in the place of the penalty's: ascending gaps, at least two, ...
     const double *normal_gaps;
     // ... and the pressure at each, force per area, or over nodes without areas force: linear between them and beyond them. Contacts whose
-    // pressure is not positive are open. NULL and 0 for the penalty's law. There are no multipliers then, and the penalty only
-    // estimates where contacts that close have touched: about the stiffness of the table in contact.
+    // pressure is not positive are open. NULL and 0 for the penalty's law; an array whose count is 0 is DC_BAD_SIZE. There are no
+    // multipliers then, and the penalty only estimates where contacts that close have touched: about the stiffness of the table in contact.
     const double *normal_pressures;
     // Number of gaps, and of pressures.
     size_t normal_count;

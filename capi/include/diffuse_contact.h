@@ -292,7 +292,7 @@ typedef struct dc_options {
     int32_t basis;
     // Whether the linear basis may stand in for the quadratic one: 0 or 1. Default: 1.
     int32_t linear_fallback;
-    // Whether contacts carry tributary areas, so that the penalty is one per area: 0 or 1. Default: 0.
+    // Whether contacts carry tributary areas, so that the penalty is one per area: 0 or 1. They need slave facets. Default: 0.
     int32_t areas;
     // 0.
     int32_t reserved;
@@ -581,7 +581,8 @@ enum dc_status dc_options_default(struct dc_options *options);
 //
 // `positions`: x, y, z of all `node_count` nodes; indices count from 0. `facets`: the master surface, 4 nodes for each
 // facet, counter-clockwise seen from outside; the fourth is -1 for a triangle. `slaves`: the slave nodes, none of them on
-// the master. `slave_facets`: as `facets`, only looked at for areas; NULL and 0 without. `options`: NULL for the defaults.
+// the master. `slave_facets`: as `facets`, for `areas` of `options`, and DC_BAD_OPTION where these are 0; NULL and 0 without. `options`: NULL
+// for the defaults, which have no areas.
 //
 // There is no pairing yet: call dc_refresh. On failure the handle is NULL.
 //
@@ -599,8 +600,9 @@ enum dc_status dc_create(const double *positions,
                          struct dc_interface **interface);
 
 // Makes an interface of a surface in contact with itself: each of its nodes is a slave, and `facets` are all that it may touch. The surface
-// may be the skins of several bodies. Give the law half of the penalty between two surfaces: both sides push. With `areas` of `options` they
-// are those of `facets`. All else is as with dc_create; dc_window_create is DC_BAD_OPTION.
+// may be the skins of several bodies. Slaves are in ascending order. Give the law half of the penalty between two surfaces: both sides push.
+// With `areas` of `options` they are those of `facets`; there are none by default, other than in Python. All else is as with dc_create;
+// dc_window_create is DC_BAD_OPTION.
 //
 // # Safety
 // As dc_create.

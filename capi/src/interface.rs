@@ -97,7 +97,8 @@ impl State {
 ///
 /// `positions`: x, y, z of all `node_count` nodes; indices count from 0. `facets`: the master surface, 4 nodes for each
 /// facet, counter-clockwise seen from outside; the fourth is -1 for a triangle. `slaves`: the slave nodes, none of them on
-/// the master. `slave_facets`: as `facets`, only looked at for areas; NULL and 0 without. `options`: NULL for the defaults.
+/// the master. `slave_facets`: as `facets`, for `areas` of `options`, and DC_BAD_OPTION where these are 0; NULL and 0 without. `options`: NULL
+/// for the defaults, which have no areas.
 ///
 /// There is no pairing yet: call dc_refresh. On failure the handle is NULL.
 ///
@@ -147,15 +148,16 @@ fn create(
     let nodes = slaves_of(slaves)?;
     let slave_facets = facets_of(slave_facets)?;
     let hint = Hint::new(options.cutback_penetration, nodes.len())?;
-    let options = options.interface()?;
+    let options = options.interface_beside(&slave_facets)?;
     let master = MasterSurface::new(positions, facets_of(master)?)?;
     let interface = ContactInterface::new(master, nodes, &slave_facets, positions, options)?;
     Ok(State::new(interface, positions.len(), hint))
 }
 
 /// Makes an interface of a surface in contact with itself: each of its nodes is a slave, and `facets` are all that it may touch. The surface
-/// may be the skins of several bodies. Give the law half of the penalty between two surfaces: both sides push. With `areas` of `options` they
-/// are those of `facets`. All else is as with dc_create; dc_window_create is DC_BAD_OPTION.
+/// may be the skins of several bodies. Slaves are in ascending order. Give the law half of the penalty between two surfaces: both sides push.
+/// With `areas` of `options` they are those of `facets`; there are none by default, other than in Python. All else is as with dc_create;
+/// dc_window_create is DC_BAD_OPTION.
 ///
 /// # Safety
 /// As dc_create.

@@ -209,7 +209,8 @@ pub unsafe extern "C" fn dc_create_in_window(
             check_nodes(positions.len())?;
             let slaves = slaves_of(slaves)?;
             let hint = Hint::new(options.cutback_penetration, slaves.len())?;
-            let (facets, options) = (facets_of(facets)?, options.interface()?);
+            let facets = facets_of(facets)?;
+            let options = options.interface_beside(&facets)?;
             let contact = WINDOWS.with(window.addr(), |window| {
                 Ok(threads::run(|| {
                     ContactInterface::in_window(window, slaves, &facets, positions, options)

@@ -250,7 +250,8 @@ class ContactInterface(FrictionHistory):
         Args:
             surface: the surface.
             positions: first positions of all nodes, shape (p, 3), length.
-            areas: whether contacts carry the nodes' tributary areas, so that the penalty is one per area.
+            areas: whether contacts carry the nodes' tributary areas, so that the penalty is one per area. They do by
+                default, other than in C.
             dofs: as for ``ContactInterface``.
             equations: as for ``ContactInterface``.
             symmetry: as for ``ContactInterface``.

@@ -626,7 +626,8 @@ enum dc_status dc_counts(struct dc_interface *interface, size_t *node_count, siz
 // to the side of the model. The master surface goes on beyond them as its mirror image, so that masters near a plane have
 // neighbours on both sides, and where it ends in a plane is no border. Default: none; NULL and 0 take all away.
 //
-// Call it before the first dc_refresh: no slave is paired afterwards. Planes lie still. They need DC_DOMAINS or DC_NODE_TO_FACET, else
+// Call it before the first dc_refresh: no slave is paired afterwards. The history of friction ends, unless the planes are the same: call
+// dc_set_history after it. Planes lie still. They need DC_DOMAINS or DC_NODE_TO_FACET, else
 // DC_BAD_OPTION. DC_BAD_SURFACE for a normal that is no unit vector, and for planes that are neither
 // parallel nor at 180 degrees over a whole number.
 //
@@ -1264,8 +1265,8 @@ enum dc_status dc_faces_counts(struct dc_faces *faces, size_t *node_count, size_
 // `slaves` has `slave_count` entries.
 enum dc_status dc_faces_slaves(struct dc_faces *faces, int32_t *slaves, size_t slave_count);
 
-// As dc_set_symmetry, for both surfaces, in the first configuration. The history of friction ends, and there is no contact until the next
-// dc_faces_refresh.
+// As dc_set_symmetry, for both surfaces, in the first configuration. The history of friction ends, unless the planes are the same: call
+// dc_faces_set_history after it. There is no contact until the next dc_faces_refresh.
 //
 // # Safety
 // `planes` has 6 `plane_count` entries.

@@ -214,8 +214,8 @@ pub unsafe extern "C" fn dc_faces_slaves(
     })
 }
 
-/// As dc_set_symmetry, for both surfaces, in the first configuration. The history of friction ends, and there is no contact until the next
-/// dc_faces_refresh.
+/// As dc_set_symmetry, for both surfaces, in the first configuration. The history of friction ends, unless the planes are the same: call
+/// dc_faces_set_history after it. There is no contact until the next dc_faces_refresh.
 ///
 /// # Safety
 /// `planes` has 6 `plane_count` entries.

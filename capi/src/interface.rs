@@ -223,7 +223,8 @@ pub unsafe extern "C" fn dc_counts(
 /// to the side of the model. The master surface goes on beyond them as its mirror image, so that masters near a plane have
 /// neighbours on both sides, and where it ends in a plane is no border. Default: none; NULL and 0 take all away.
 ///
-/// Call it before the first dc_refresh: no slave is paired afterwards. Planes lie still. They need DC_DOMAINS or DC_NODE_TO_FACET, else
+/// Call it before the first dc_refresh: no slave is paired afterwards. The history of friction ends, unless the planes are the same: call
+/// dc_set_history after it. Planes lie still. They need DC_DOMAINS or DC_NODE_TO_FACET, else
 /// DC_BAD_OPTION. DC_BAD_SURFACE for a normal that is no unit vector, and for planes that are neither
 /// parallel nor at 180 degrees over a whole number.
 ///

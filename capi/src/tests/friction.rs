@@ -11,7 +11,7 @@ use super::misuse::LAW;
 use super::{Mesh, message, options};
 use crate::assembly::{dc_add_forces, dc_triplets};
 use crate::friction::{dc_accept, dc_history, dc_set_history};
-use crate::interface::{dc_destroy, dc_evaluate, dc_interface, dc_refresh};
+use crate::interface::{dc_destroy, dc_evaluate, dc_interface, dc_refresh, dc_set_symmetry};
 use crate::law::dc_law;
 use crate::map::{dc_map_add, dc_map_create, dc_map_destroy};
 use crate::options::dc_options;
@@ -101,6 +101,18 @@ fn a_history_outlives_the_handle(options: &dc_options) {
     let mut history = vec![0.0; count];
     // SAFETY: the array has the length given.
     assert_eq!(unsafe { dc_history(handle, history.as_mut_ptr(), count, &mut count) }, DC_OK);
+    let kept = |handle| {
+        let (mut again, mut found) = (vec![0.0; count], 0);
+        // SAFETY: the array has the length given.
+        let status = unsafe { dc_history(handle, again.as_mut_ptr(), count, &mut found) };
+        assert_eq!(status, DC_OK);
+        again.truncate(found);
+        again
+    };
+    // Planes that are the same.
+    // SAFETY: there are none.
+    assert_eq!(unsafe { dc_set_symmetry(handle, std::ptr::null(), 0) }, DC_OK);
+    assert_eq!(kept(handle), history);
     let further = slid(&mesh, 0.06);
     refresh(&further, handle);
     let expected = residual(handle, &FRICTION);
@@ -109,6 +121,14 @@ fn a_history_outlives_the_handle(options: &dc_options) {
     let handle = interface();
     // SAFETY: the array has the length given.
     assert_eq!(unsafe { dc_set_history(handle, history.as_ptr(), count) }, DC_OK);
+    let plane = [0.0, 0.0, 0.0, 1.0, 0.0, 0.0];
+    // SAFETY: the arrays have the lengths given.
+    unsafe {
+        assert_eq!(dc_set_symmetry(handle, plane.as_ptr(), 1), DC_OK, "{}", message());
+        assert!(kept(handle).is_empty(), "it is that of the planes of before");
+        assert_eq!(dc_set_symmetry(handle, std::ptr::null(), 0), DC_OK);
+        assert_eq!(dc_set_history(handle, history.as_ptr(), count), DC_OK);
+    }
     refresh(&further, handle);
     assert_eq!(residual(handle, &FRICTION), expected);
     // SAFETY: the array has the length given.

@@ -136,7 +136,8 @@ impl FaceInterface {
     }
 
     /// Makes these planes of symmetry of both surfaces, as [`ContactInterface::set_symmetry`], in the first configuration. The history of
-    /// friction ends, and there is no contact until the next [`refresh`](Self::refresh) or [`update`](Self::update).
+    /// friction ends, unless the planes are the same. There is no contact until the next [`refresh`](Self::refresh) or
+    /// [`update`](Self::update).
     ///
     /// # Errors
     /// As there. The interface is then as it was.
@@ -146,8 +147,10 @@ impl FaceInterface {
         let skin = skin_of(&self.faces, &self.first, &own, planes)?;
         let mut interface = ContactInterface::new(self.master().clone(), Vec::new(), &[], &self.first, own)?;
         interface.set_symmetry(planes)?;
+        if self.interface.symmetry() != planes {
+            self.tracks = None;
+        }
         (self.skin, self.interface) = (skin, interface);
-        self.tracks = None;
         self.forget();
         Ok(())
     }

@@ -203,7 +203,17 @@ module diffuse_contact
             integer(c_int) :: status
         end function
 
-        !> planes: six numbers each, a point and the unit normal to the side of the model.
+        !> The slave nodes, in the order of results and multipliers; ascending for a surface in contact with itself.
+        function dc_slaves(interface, slaves, slave_count) bind(c) result(status)
+            import :: c_int, c_int32_t, c_ptr, c_size_t
+            type(c_ptr), value :: interface
+            integer(c_int32_t), intent(inout) :: slaves(*)
+            integer(c_size_t), value :: slave_count
+            integer(c_int) :: status
+        end function
+
+        !> planes: six numbers each, a point and the unit normal to the side of the model. With other planes than before the history of
+        !! friction ends: dc_set_history comes after it.
         function dc_set_symmetry(interface, planes, plane_count) bind(c) result(status)
             import :: c_double, c_int, c_ptr, c_size_t
             type(c_ptr), value :: interface

@@ -382,7 +382,8 @@ typedef struct dc_contact {
 } dc_contact;
 
 // A normal law of the caller's own. `pressure` has room for two numbers: p, force per area, or over nodes without areas force, and
-// dp/dg, at the signed gap of a slave. A contact whose p is not positive is open.
+// dp/dg, at the signed gap of a slave. `slave` is its place among the slaves, counted from 0, and not its node: see dc_slaves and
+// dc_faces_slaves. A contact whose p is not positive is open.
 //
 // It is called from several threads at once, within any call that takes the law, and has to answer the same each time. It must return:
 // no exception and no longjmp. What is no number is refused as that of a law.
@@ -621,6 +622,14 @@ enum dc_status dc_destroy(struct dc_interface *interface);
 // # Safety
 // Each is NULL or may be written.
 enum dc_status dc_counts(struct dc_interface *interface, size_t *node_count, size_t *slave_count);
+
+// The slave nodes, in the order of results and multipliers: that of dc_create, ascending for a surface in contact with itself.
+//
+// # Safety
+// `slaves` has `slave_count` entries.
+enum dc_status dc_slaves(struct dc_interface *interface,
+                         int32_t *slaves,
+                         size_t slave_count);
 
 // Makes these planes of symmetry, `plane_count` of them with 6 numbers each: x, y, z of a point of the plane, then of its unit normal
 // to the side of the model. The master surface goes on beyond them as its mirror image, so that masters near a plane have

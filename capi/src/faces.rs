@@ -9,7 +9,7 @@ use runtime::faces::{
 use runtime::interface::InterfaceError;
 use runtime::surface::{Facet, MasterSurface};
 
-use crate::border::{self, Plain, Versioned, disjoint, input, reserve, roomy, target, wanted, wanted_report};
+use crate::border::{self, Plain, Versioned, disjoint, input, reserve, roomy, wanted, wanted_report};
 use crate::choice;
 use crate::law::{self, dc_law};
 use crate::mesh::{self, check_nodes, equations_of, facet_rows, facets_of, points, symmetry_planes};
@@ -206,11 +206,8 @@ pub unsafe extern "C" fn dc_faces_slaves(
     slave_count: usize,
 ) -> dc_status {
     call(faces, |state| {
-        state.expect_slaves(slave_count)?;
-        let slaves = target("slaves", slaves, slave_count)?;
         // SAFETY: as the caller promises.
-        unsafe { slaves.write(state.interface.slaves().iter().map(|&node| node as i32)) };
-        Ok(())
+        unsafe { mesh::write_slaves(state.interface.slaves(), slaves, slave_count) }
     })
 }
 

@@ -219,6 +219,22 @@ pub unsafe extern "C" fn dc_counts(
     })
 }
 
+/// The slave nodes, in the order of results and multipliers: that of dc_create, ascending for a surface in contact with itself.
+///
+/// # Safety
+/// `slaves` has `slave_count` entries.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn dc_slaves(
+    interface: *mut dc_interface,
+    slaves: *mut i32,
+    slave_count: usize,
+) -> dc_status {
+    call(interface, |state| {
+        // SAFETY: as the caller promises.
+        unsafe { mesh::write_slaves(state.interface.slaves(), slaves, slave_count) }
+    })
+}
+
 /// Makes these planes of symmetry, `plane_count` of them with 6 numbers each: x, y, z of a point of the plane, then of its unit normal
 /// to the side of the model. The master surface goes on beyond them as its mirror image, so that masters near a plane have
 /// neighbours on both sides, and where it ends in a plane is no border. Default: none; NULL and 0 take all away.

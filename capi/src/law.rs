@@ -14,7 +14,8 @@ use crate::choice::{self, Named, dc_coefficient};
 use crate::status::{DC_BAD_OPTION, DC_BAD_SIZE, Failure};
 
 /// A normal law of the caller's own. `pressure` has room for two numbers: p, force per area, or over nodes without areas force, and
-/// dp/dg, at the signed gap of a slave. A contact whose p is not positive is open.
+/// dp/dg, at the signed gap of a slave. `slave` is its place among the slaves, counted from 0, and not its node: see dc_slaves and
+/// dc_faces_slaves. A contact whose p is not positive is open.
 ///
 /// It is called from several threads at once, within any call that takes the law, and has to answer the same each time. It must return:
 /// no exception and no longjmp. What is no number is refused as that of a law.

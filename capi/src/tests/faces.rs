@@ -17,7 +17,7 @@ use crate::faces::*;
 use crate::faces_assembly::*;
 use crate::faces_friction::*;
 use crate::faces_points::dc_faces_points;
-use crate::interface::{dc_create_self_contact, dc_destroy, dc_evaluate, dc_refresh};
+use crate::interface::{dc_create_self_contact, dc_destroy, dc_evaluate, dc_refresh, dc_slaves};
 use crate::law::dc_law;
 use crate::options::dc_options;
 use crate::status::{
@@ -433,6 +433,11 @@ fn nodes_of_a_surface_touch_it() {
         );
         let status = dc_create_self_contact(start, nodes, list, count, &options, &mut handle);
         assert_eq!(status, DC_OK, "{}", message());
+        let mut slaves = vec![-1; nodes];
+        assert_eq!(dc_slaves(handle, slaves.as_mut_ptr(), nodes), DC_OK);
+        assert!(slaves.iter().enumerate().all(|(k, &node)| node as usize == k), "each node, ascending");
+        assert_eq!(dc_slaves(handle, slaves.as_mut_ptr(), nodes - 1), DC_BAD_SIZE);
+        assert_eq!(dc_slaves(handle, null_mut(), nodes), DC_BAD_POINTER);
         assert_eq!(dc_refresh(handle, moved, nodes, null_mut()), DC_OK);
         assert_eq!(dc_evaluate(handle, 1), DC_OK, "{}", message());
         let status = dc_add_forces(handle, &law(&[]), forces.as_mut_ptr(), size, null_mut());

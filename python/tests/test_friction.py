@@ -114,13 +114,16 @@ def test_the_operator_is_the_tangent(scene, element, tangent, step):
     if step[0] > 0.01 and tangent == "exact":
         assert abs(matrix - matrix.T).max() > 0.1
     v = np.random.default_rng(5).normal(size=(interface.equations, 2))
-    for found, expected in (
+    products = [
         (operator @ v, matrix @ v),
         (operator.T @ v, matrix.T @ v),
         (operator.H @ v, matrix.T @ v),
-        ((v.T @ operator).T, matrix.T @ v),
         (operator.diagonal(), matrix.diagonal()),
-    ):
+    ]
+    if hasattr(operator, "__array_ufunc__"):
+        # Older versions of scipy take no array on the left.
+        products.append(((v.T @ operator).T, matrix.T @ v))
+    for found, expected in products:
         np.testing.assert_allclose(found, expected, rtol=0, atol=1e-13 * largest)
     assert operator.contacts == 4
 

@@ -554,6 +554,8 @@ module diffuse_contact
             integer(c_int) :: status
         end function
 
+        !> The window's nodes are where they were when it was made. For areas slaves, and the other nodes of slave_facets, are in their first
+        !! positions, also in a later increment.
         function dc_create_in_window(window, positions, node_count, slaves, slave_count, slave_facets, slave_facet_count, &
                 options, interface) bind(c) result(status)
             import :: c_double, c_int, c_int32_t, c_ptr, c_size_t, dc_options

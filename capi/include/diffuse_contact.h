@@ -1091,6 +1091,9 @@ enum dc_status dc_window_from_numbers(const int64_t *integers,
 // of dc_window_names, where they were when it was made; slaves come after them. Planes of symmetry come with the window. Weight, basis and
 // feature angle have to be those that it was made with, else DC_BAD_OPTION.
 //
+// With `areas` of `options` slaves and all other nodes of `slave_facets` have to be in their first positions here, also in a later
+// increment: areas are those at these positions. `slave_facets` are all facets at the slaves, in the order of the whole.
+//
 // Results are those of an interface with the whole surface, bit for bit, or the outcome DC_BEYOND_WINDOW. dc_set_symmetry is refused.
 //
 // # Safety

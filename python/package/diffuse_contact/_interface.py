@@ -301,7 +301,8 @@ class ContactInterface(FrictionHistory):
             slaves: as for ``ContactInterface``.
             positions: first those of ``window.nodes``, in their order and where they were when the window was made;
                 those of the slaves come after them.
-            slave_facets: all facets at the slaves, in the order of the whole, for the same areas.
+            slave_facets: all facets at the slaves, in the order of the whole, for the same areas. All their nodes have
+                to be in their first positions then, also in a later increment: areas are those at ``positions``.
             dofs: as for ``ContactInterface``.
             equations: as for ``ContactInterface``.
             options: ``weight``, ``basis`` and ``feature_angle`` have to be those that the window was made with.

@@ -329,12 +329,12 @@ module diffuse_contact
         end function
 
         !> With friction: the positions of the moment are the end of an increment.
-        function dc_accept(interface, law, stuck_count, sliding_count, unanchored_count, dissipated) &
+        function dc_accept(interface, law, stuck_count, sliding_count, unanchored_count, dropped_count, dissipated) &
                 bind(c) result(status)
             import :: c_double, c_int, c_ptr, c_size_t, dc_law
             type(c_ptr), value :: interface
             type(dc_law), intent(in) :: law
-            integer(c_size_t), intent(out), optional :: stuck_count, sliding_count, unanchored_count
+            integer(c_size_t), intent(out), optional :: stuck_count, sliding_count, unanchored_count, dropped_count
             real(c_double), intent(out), optional :: dissipated
             integer(c_int) :: status
         end function
@@ -361,6 +361,17 @@ module diffuse_contact
         function dc_roll_back(interface) bind(c) result(status)
             import :: c_int, c_ptr
             type(c_ptr), value :: interface
+            integer(c_int) :: status
+        end function
+
+        !> Friction of all slaves, before dc_accept; tractions on the slave.
+        function dc_friction(interface, law, states, tractions, slips, slave_count) bind(c) result(status)
+            import :: c_double, c_int, c_int32_t, c_ptr, c_size_t, dc_law
+            type(c_ptr), value :: interface
+            type(dc_law), intent(in) :: law
+            integer(c_int32_t), intent(inout), optional :: states(*)
+            real(c_double), intent(inout), optional :: tractions(*), slips(*)
+            integer(c_size_t), value :: slave_count
             integer(c_int) :: status
         end function
 
@@ -860,12 +871,12 @@ module diffuse_contact
         end function
 
         !> With friction: the positions of the moment are the end of an increment.
-        function dc_faces_accept(faces, law, stuck_count, sliding_count, unanchored_count, dissipated) &
+        function dc_faces_accept(faces, law, stuck_count, sliding_count, unanchored_count, dropped_count, dissipated) &
                 bind(c) result(status)
             import :: c_double, c_int, c_ptr, c_size_t, dc_law
             type(c_ptr), value :: faces
             type(dc_law), intent(in) :: law
-            integer(c_size_t), intent(out), optional :: stuck_count, sliding_count, unanchored_count
+            integer(c_size_t), intent(out), optional :: stuck_count, sliding_count, unanchored_count, dropped_count
             real(c_double), intent(out), optional :: dissipated
             integer(c_int) :: status
         end function

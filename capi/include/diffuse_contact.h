@@ -834,8 +834,8 @@ enum dc_status dc_roll_back(struct dc_interface *interface);
 // has no friction.
 //
 // `stuck_count` and `sliding_count` get the numbers of slaves that stick and that slide, `unanchored_count` that of slaves that carry
-// force without friction, as they had no gap at the end of the increment before; `dissipated` the work of friction in the increment,
-// energy. Each may be NULL.
+// force without friction, as they had no gap at the end of the increment before; `dropped_count` that of slaves that were closed then
+// and have lost their contact element; `dissipated` the work of friction in the increment, energy. Each may be NULL.
 //
 // DC_BAD_OPTION for a law with friction if there can be none: for DC_DIFFUSE without DC_DOMAINS, or in a library built without its
 // feature `friction`. DC_NODE_TO_FACET has friction in every build.
@@ -847,7 +847,24 @@ enum dc_status dc_accept(struct dc_interface *interface,
                          size_t *stuck_count,
                          size_t *sliding_count,
                          size_t *unanchored_count,
+                         size_t *dropped_count,
                          double *dissipated);
+
+// Friction of all slaves at the positions of the last dc_evaluate, in DC_GRADIENT or DC_HESSIAN, one entry each: `states`
+// dc_friction_state; `tractions` on the slave, 3 numbers each, force per area, a force where the interface has no areas; `slips` since
+// the place of touch or the last accepted state, length. 0 where a slave is DC_OPEN, as all are if the law has no friction. Each may be
+// NULL. Call it before dc_accept, which ends the evaluation, with the law of the forces.
+//
+// DC_NOT_EVALUATED for slaves that carry force before the first dc_accept.
+//
+// # Safety
+// `law` as in dc_add_forces; the arrays have `slave_count` entries, `tractions` three times as many.
+enum dc_status dc_friction(struct dc_interface *interface,
+                           const struct dc_law *law,
+                           int32_t *states,
+                           double *tractions,
+                           double *slips,
+                           size_t slave_count);
 
 // The history of friction as plain numbers, for a restart: `count` gets how many there are, 0 without a history. `history` is NULL to
 // learn that, or has room for `capacity` numbers: DC_BAD_SIZE if that is too little, and `count` is written all the same.
@@ -1376,7 +1393,8 @@ enum dc_status dc_faces_friction(struct dc_faces *faces,
 
 // As dc_accept, of the positions of the last dc_faces_refresh or dc_faces_update: call it once before the first increment, after
 // dc_faces_refresh, and then after each that has converged. `unanchored_count` gets the number of nodes that carry pressure without
-// friction, as nothing lay over them at the end of the increment before. Every build of the library has it.
+// friction, as nothing lay over them at the end of the increment before, `dropped_count` that of nodes that carried pressure then and have
+// nothing over them now. Every build of the library has it.
 //
 // # Safety
 // `law` as in dc_faces_evaluate; the others are NULL or may be written.
@@ -1385,6 +1403,7 @@ enum dc_status dc_faces_accept(struct dc_faces *faces,
                                size_t *stuck_count,
                                size_t *sliding_count,
                                size_t *unanchored_count,
+                               size_t *dropped_count,
                                double *dissipated);
 
 // As dc_augment, of the nodes of the slave's faces; then dc_faces_evaluate again.

@@ -249,7 +249,8 @@ fn faces_refuse_what_is_none() {
         let with_friction = dc_law { friction: 0.3, ..law(&[]) };
         assert_eq!(dc_faces_evaluate(handle, &with_friction, 2), DC_NOT_EVALUATED, "{}", message());
         assert!(message().starts_with("no-slip: "), "{}", message());
-        let accept = |law| dc_faces_accept(handle, law, null_mut(), null_mut(), null_mut(), null_mut());
+        let accept =
+            |law| dc_faces_accept(handle, law, null_mut(), null_mut(), null_mut(), null_mut(), null_mut());
         assert_eq!(accept(null()), DC_BAD_POINTER);
         assert_eq!(accept(&dc_law { friction: -0.3, ..law(&[]) }), DC_BAD_OPTION);
         assert_eq!(accept(&dc_law { shear_limit: -1.0, ..with_friction }), DC_BAD_OPTION);
@@ -345,7 +346,10 @@ fn faces_have_friction() {
     unsafe {
         assert_eq!(dc_faces_history(handle, null_mut(), 0, &mut count), DC_OK);
         assert_eq!(count, 0);
-        assert_eq!(dc_faces_accept(handle, &law, null_mut(), null_mut(), null_mut(), null_mut()), DC_OK);
+        assert_eq!(
+            dc_faces_accept(handle, &law, null_mut(), null_mut(), null_mut(), null_mut(), null_mut()),
+            DC_OK
+        );
         refresh(handle, &moved);
         forces(handle);
         let (mut states, mut tractions, mut slips) = (vec![9; 25], vec![9.0; 75], vec![9.0; 25]);
@@ -357,11 +361,19 @@ fn faces_have_friction() {
             assert_eq!(tractions[3 * k..3 * k + 3], node.friction);
         }
         assert!(states.contains(&1) && states.contains(&2), "{states:?}");
-        let (mut stuck, mut sliding, mut unanchored, mut dissipated) = (9, 9, 9, 0.0);
-        let status =
-            dc_faces_accept(handle, &law, &mut stuck, &mut sliding, &mut unanchored, &mut dissipated);
+        let (mut stuck, mut sliding, mut unanchored, mut dropped, mut dissipated) = (9, 9, 9, 9, 0.0);
+        let status = dc_faces_accept(
+            handle,
+            &law,
+            &mut stuck,
+            &mut sliding,
+            &mut unanchored,
+            &mut dropped,
+            &mut dissipated,
+        );
         assert_eq!(status, DC_OK);
-        assert_eq!((stuck, sliding, unanchored), (report.stuck, report.sliding, report.unanchored));
+        assert_eq!((stuck, sliding), (report.stuck, report.sliding));
+        assert_eq!((unanchored, dropped), (report.unanchored, report.dropped));
         assert_eq!(dissipated, report.dissipated);
         assert!(dissipated > 0.0);
         assert_eq!(dc_faces_add_forces(handle, [].as_mut_ptr(), 0, null_mut(), null_mut()), DC_NOT_EVALUATED);

@@ -160,7 +160,7 @@ fn by_calls(pair: &Pair, moved: &[f64], law: &dc_law) -> Vec<Vec<f64>> {
     // SAFETY: the arrays have the lengths given.
     unsafe {
         refresh(&pair.positions);
-        done(dc_faces_accept(handle, law, null_mut(), null_mut(), null_mut(), null_mut()));
+        done(dc_faces_accept(handle, law, null_mut(), null_mut(), null_mut(), null_mut(), null_mut()));
         refresh(moved);
         for round in 0..3 {
             let mut residual = vec![0.0; moved.len()];

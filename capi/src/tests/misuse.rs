@@ -510,7 +510,17 @@ fn a_library_without_friction_says_so() {
     let law = dc_law { friction: 0.2, ..LAW };
     let accept = |law: &dc_law| {
         // SAFETY: a whole structure.
-        unsafe { crate::friction::dc_accept(handle, law, null_mut(), null_mut(), null_mut(), null_mut()) }
+        unsafe {
+            crate::friction::dc_accept(
+                handle,
+                law,
+                null_mut(),
+                null_mut(),
+                null_mut(),
+                null_mut(),
+                null_mut(),
+            )
+        }
     };
     // SAFETY: the array has the length given.
     assert_eq!(unsafe { dc_refresh(handle, mesh.positions.as_ptr(), mesh.nodes(), null_mut()) }, DC_OK);

@@ -78,7 +78,7 @@ int main(void) {
         double force[15] = {0};
         positions[12] = 1;
         check(dc_refresh(interface, positions, 5, NULL));
-        check(dc_accept(interface, &laws[k], NULL, NULL, NULL, NULL));
+        check(dc_accept(interface, &laws[k], NULL, NULL, NULL, NULL, NULL));
         positions[12] = 1.5;
         check(dc_refresh(interface, positions, 5, NULL));
         check(dc_evaluate(interface, DC_HESSIAN));

@@ -46,6 +46,7 @@ from ._results import (
     MaterialNodes,
     Pairing,
     RefreshReport,
+    SlaveFriction,
     SlaveGap,
     unpacked,
 )
@@ -677,6 +678,27 @@ class ContactInterface(FrictionHistory):
         """Normal forces over tributary areas, shape (s,); forces if contacts carry no areas."""
         forces = self.normal_forces(penalty, multipliers=multipliers, normal=normal)
         return forces / self.contacts.area
+
+    def friction(
+        self,
+        penalty: float,
+        *,
+        friction: Friction,
+        multipliers: ArrayLike | None = None,
+        normal: TabulatedPressure | None = None,
+    ) -> SlaveFriction:
+        """Traction, state and slip of every slave, of the last evaluation; over faces ``evaluate`` returns them.
+
+        ``accept`` ends the evaluation: ask before it. Arguments are those of ``forces``.
+
+        Raises:
+            InterfaceError: ``"not-evaluated"``.
+            AssemblyError: as for ``forces``; ``"no-slip"`` before the first ``accept``.
+
+        """
+        law = law_of(penalty, multipliers, friction=friction, normal=normal)
+        tractions, states, slip = self._interface.friction(law)
+        return SlaveFriction(tractions.reshape(-1, 3), states, slip)
 
     def cut_back(self, limit: float = 0.25) -> CutBack:
         """A hint, after an evaluation, whether the increment went too far for the pairing.

@@ -954,6 +954,17 @@ module diffuse_contact
             integer(c_int) :: status
         end function
 
+        !> Which nodes couple: those of clique k, from 0, are nodes(offsets(k + 1) + 1:offsets(k + 2)), counted from 0.
+        function dc_faces_cliques(faces, offsets, offset_capacity, nodes, node_capacity, clique_count, entry_count) &
+                bind(c) result(status)
+            import :: c_int, c_int32_t, c_ptr, c_size_t
+            type(c_ptr), value :: faces
+            integer(c_int32_t), intent(inout), optional :: offsets(*), nodes(*)
+            integer(c_size_t), value :: offset_capacity, node_capacity
+            integer(c_size_t), intent(out), optional :: clique_count, entry_count
+            integer(c_int) :: status
+        end function
+
         function dc_gap_batch(element, element_count, outwards, support_radii, slaves, masters, offsets, mode, points, &
                 gradients, gradient_size, hessians, hessian_size) bind(c) result(status)
             import :: c_double, c_int, c_int32_t, c_size_t, dc_element, dc_point

@@ -1507,6 +1507,24 @@ enum dc_status dc_faces_triplets(struct dc_faces *faces,
                                  size_t capacity,
                                  size_t *count);
 
+// Which nodes couple with one another, for the pattern of a host's matrix: cliques, one for each slave node with points around it. The nodes
+// of clique k are `nodes[offsets[k]]` to `nodes[offsets[k + 1] - 1]`, ascending. An entry of the tangent is in the rows and columns of two
+// nodes of one clique, whatever evaluation follows. They hold all that has coupled since the last dc_faces_refresh: where
+// dc_faces_update says `grown` they are more than before, and after a dc_faces_refresh other ones. They need no evaluation.
+//
+// `clique_count` gets their number, `entry_count` that of all their nodes; there is an offset more than cliques. Each may be NULL: call it
+// without arrays first. DC_BAD_SIZE if there is not room for all. Before the first dc_faces_refresh there are none.
+//
+// # Safety
+// `offsets` has `offset_capacity` entries, `nodes` has `node_capacity`, or they are NULL; the others are NULL or may be written.
+enum dc_status dc_faces_cliques(struct dc_faces *faces,
+                                int32_t *offsets,
+                                size_t offset_capacity,
+                                int32_t *nodes,
+                                size_t node_capacity,
+                                size_t *clique_count,
+                                size_t *entry_count);
+
 // Makes an object for contact over faces that knows a window of either surface only, two handles. Nodes are those of `master` in the
 // order of dc_window_names, then those of `slave`; `positions` are where they were when the window of the master was made. The faces are
 // those that meet the boxes of `slave`, which is made once, in the first positions, of an interface whose master surface are the faces

@@ -1,5 +1,6 @@
 //! Contact over faces: the numbers of the runtime bit for bit, and calls that are refused.
 
+use std::collections::HashSet;
 use std::ptr::{null, null_mut};
 
 use runtime::Mode;
@@ -104,6 +105,34 @@ impl Pair {
     }
 }
 
+/// Pairs of nodes that couple, by cliques, which are those of the runtime.
+fn coupled(handle: *mut dc_faces, expected: &[Vec<u32>]) -> HashSet<(usize, usize)> {
+    let (mut cliques, mut entries) = (0, 0);
+    // SAFETY: the arrays have the lengths given.
+    unsafe {
+        let count = dc_faces_cliques(handle, null_mut(), 0, null_mut(), 0, &mut cliques, &mut entries);
+        assert_eq!((count, cliques), (DC_OK, expected.len()), "{}", message());
+        let (mut offsets, mut nodes) = (vec![-1; cliques + 1], vec![-1; entries]);
+        let (places, list) = (offsets.as_mut_ptr(), nodes.as_mut_ptr());
+        let read = |offsets: usize, nodes: usize| {
+            dc_faces_cliques(handle, places, offsets, list, nodes, null_mut(), null_mut())
+        };
+        assert_eq!([read(cliques, entries), read(cliques + 1, entries - 1)], [DC_BAD_SIZE; 2]);
+        assert_eq!(read(cliques + 1, entries), DC_OK, "{}", message());
+        let same = dc_faces_cliques(handle, list, entries, list, entries, null_mut(), null_mut());
+        assert_eq!(same, DC_BAD_POINTER);
+        assert_eq!((offsets[0], offsets[cliques] as usize), (0, entries));
+        let mut couples = HashSet::new();
+        for (ends, expected) in offsets.windows(2).zip(expected) {
+            let clique = &nodes[ends[0] as usize..ends[1] as usize];
+            assert!(clique.iter().map(|&node| node as u32).eq(expected.iter().copied()));
+            let pairs = clique.iter().flat_map(|&a| clique.iter().map(move |&b| (a as usize, b as usize)));
+            couples.extend(pairs);
+        }
+        couples
+    }
+}
+
 pub(super) fn flat(faces: &[i32]) -> Vec<i32> {
     let mut facets = vec![7; faces.len() / 9 * 16];
     // SAFETY: the arrays have the lengths given.
@@ -152,6 +181,7 @@ fn faces_give_what_the_runtime_gives() {
     let own_law = ContactLaw::penalty(300.0).with_multipliers(Some(&multipliers));
     expected.evaluate(&own_law, Mode::Hessian).unwrap();
     let own_points = expected.integration_points().unwrap();
+    let own_cliques: Vec<Vec<u32>> = expected.cliques().map(<[u32]>::to_vec).collect();
     let expected = expected.contacts();
     // SAFETY: the arrays have the lengths given.
     unsafe {
@@ -196,6 +226,7 @@ fn faces_give_what_the_runtime_gives() {
         assert_eq!(active, expected.add_forces(&dofs, &mut sum).unwrap());
         assert_eq!(residual, sum);
 
+        let couples = coupled(handle, &own_cliques);
         for (tangent, own) in [(0, Tangent::Exact), (1, Tangent::GaussNewton)] {
             let triplets = expected.triplets(own, &dofs).unwrap();
             let mut count = 0;
@@ -216,6 +247,9 @@ fn faces_give_what_the_runtime_gives() {
             assert_eq!(values, triplets.values());
             assert!(rows.iter().zip(triplets.rows()).all(|(found, row)| *found as usize == *row));
             assert!(columns.iter().zip(triplets.columns()).all(|(found, column)| *found as usize == *column));
+            // A pattern of all that couples has room for them.
+            let pair = |(row, column): (&i32, &i32)| (*row as usize / 3, *column as usize / 3);
+            assert!(rows.iter().zip(&columns).all(|entry| couples.contains(&pair(entry))));
             let v: Vec<f64> = (0..size).map(|k| (k as f64).sin()).collect();
             let (mut product, mut sums) = (vec![0.5; size], vec![0.5; size]);
             let status = dc_faces_product(handle, tangent, v.as_ptr(), product.as_mut_ptr(), size);
@@ -239,6 +273,9 @@ fn faces_refuse_what_is_none() {
     unsafe {
         let none = |status: dc_status| assert_eq!(status, DC_NOT_EVALUATED, "{}", message());
         none(dc_faces_add_forces(handle, residual.as_mut_ptr(), size, null_mut(), null_mut()));
+        let (mut offset, mut cliques, mut entries) = (9, 9, 9);
+        let found = dc_faces_cliques(handle, &mut offset, 1, null_mut(), 0, &mut cliques, &mut entries);
+        assert_eq!((found, offset, cliques, entries), (DC_OK, 0, 0, 0));
         assert_eq!(dc_faces_refresh(handle, pair.positions.as_ptr(), 5, null_mut()), DC_BAD_SIZE);
         assert_eq!(dc_faces_refresh(handle, pair.positions.as_ptr(), pair.nodes(), null_mut()), DC_OK);
         assert_eq!(dc_faces_evaluate(handle, null(), 2), DC_BAD_POINTER);

@@ -203,7 +203,17 @@ module diffuse_contact
             integer(c_int) :: status
         end function
 
-        !> planes: six numbers each, a point and the unit normal to the side of the model.
+        !> The slave nodes, in the order of results and multipliers; ascending for a surface in contact with itself.
+        function dc_slaves(interface, slaves, slave_count) bind(c) result(status)
+            import :: c_int, c_int32_t, c_ptr, c_size_t
+            type(c_ptr), value :: interface
+            integer(c_int32_t), intent(inout) :: slaves(*)
+            integer(c_size_t), value :: slave_count
+            integer(c_int) :: status
+        end function
+
+        !> planes: six numbers each, a point and the unit normal to the side of the model. With other planes than before the history of
+        !! friction ends: dc_set_history comes after it.
         function dc_set_symmetry(interface, planes, plane_count) bind(c) result(status)
             import :: c_double, c_int, c_ptr, c_size_t
             type(c_ptr), value :: interface
@@ -319,12 +329,12 @@ module diffuse_contact
         end function
 
         !> With friction: the positions of the moment are the end of an increment.
-        function dc_accept(interface, law, stuck_count, sliding_count, unanchored_count, dissipated) &
+        function dc_accept(interface, law, stuck_count, sliding_count, unanchored_count, dropped_count, dissipated) &
                 bind(c) result(status)
             import :: c_double, c_int, c_ptr, c_size_t, dc_law
             type(c_ptr), value :: interface
             type(dc_law), intent(in) :: law
-            integer(c_size_t), intent(out), optional :: stuck_count, sliding_count, unanchored_count
+            integer(c_size_t), intent(out), optional :: stuck_count, sliding_count, unanchored_count, dropped_count
             real(c_double), intent(out), optional :: dissipated
             integer(c_int) :: status
         end function
@@ -351,6 +361,17 @@ module diffuse_contact
         function dc_roll_back(interface) bind(c) result(status)
             import :: c_int, c_ptr
             type(c_ptr), value :: interface
+            integer(c_int) :: status
+        end function
+
+        !> Friction of all slaves, before dc_accept; tractions on the slave.
+        function dc_friction(interface, law, states, tractions, slips, slave_count) bind(c) result(status)
+            import :: c_double, c_int, c_int32_t, c_ptr, c_size_t, dc_law
+            type(c_ptr), value :: interface
+            type(dc_law), intent(in) :: law
+            integer(c_int32_t), intent(inout), optional :: states(*)
+            real(c_double), intent(inout), optional :: tractions(*), slips(*)
+            integer(c_size_t), value :: slave_count
             integer(c_int) :: status
         end function
 
@@ -544,6 +565,8 @@ module diffuse_contact
             integer(c_int) :: status
         end function
 
+        !> The window's nodes are where they were when it was made. For areas slaves, and the other nodes of slave_facets, are in their first
+        !! positions, also in a later increment.
         function dc_create_in_window(window, positions, node_count, slaves, slave_count, slave_facets, slave_facet_count, &
                 options, interface) bind(c) result(status)
             import :: c_double, c_int, c_int32_t, c_ptr, c_size_t, dc_options
@@ -703,6 +726,18 @@ module diffuse_contact
             integer(c_int) :: status
         end function
 
+        function dc_faces_create_self_contact(positions, node_count, facets, facet_count, options, degree, faces) &
+                bind(c) result(status)
+            import :: c_double, c_int, c_int32_t, c_ptr, c_size_t, dc_options
+            real(c_double), intent(in) :: positions(*)
+            integer(c_size_t), value :: node_count, facet_count
+            integer(c_int32_t), intent(in) :: facets(*)
+            type(dc_options), intent(in), optional :: options
+            integer(c_int32_t), value :: degree
+            type(c_ptr), intent(out) :: faces
+            integer(c_int) :: status
+        end function
+
         function dc_faces_create_in_window(master, slave, positions, node_count, options, degree, faces) &
                 bind(c) result(status)
             import :: c_double, c_int, c_int32_t, c_ptr, c_size_t, dc_options
@@ -836,12 +871,12 @@ module diffuse_contact
         end function
 
         !> With friction: the positions of the moment are the end of an increment.
-        function dc_faces_accept(faces, law, stuck_count, sliding_count, unanchored_count, dissipated) &
+        function dc_faces_accept(faces, law, stuck_count, sliding_count, unanchored_count, dropped_count, dissipated) &
                 bind(c) result(status)
             import :: c_double, c_int, c_ptr, c_size_t, dc_law
             type(c_ptr), value :: faces
             type(dc_law), intent(in) :: law
-            integer(c_size_t), intent(out), optional :: stuck_count, sliding_count, unanchored_count
+            integer(c_size_t), intent(out), optional :: stuck_count, sliding_count, unanchored_count, dropped_count
             real(c_double), intent(out), optional :: dissipated
             integer(c_int) :: status
         end function
@@ -916,6 +951,17 @@ module diffuse_contact
             real(c_double), intent(inout), optional :: values(*)
             integer(c_size_t), value :: capacity
             integer(c_size_t), intent(out) :: count
+            integer(c_int) :: status
+        end function
+
+        !> Which nodes couple: those of clique k, from 0, are nodes(offsets(k + 1) + 1:offsets(k + 2)), counted from 0.
+        function dc_faces_cliques(faces, offsets, offset_capacity, nodes, node_capacity, clique_count, entry_count) &
+                bind(c) result(status)
+            import :: c_int, c_int32_t, c_ptr, c_size_t
+            type(c_ptr), value :: faces
+            integer(c_int32_t), intent(inout), optional :: offsets(*), nodes(*)
+            integer(c_size_t), value :: offset_capacity, node_capacity
+            integer(c_size_t), intent(out), optional :: clique_count, entry_count
             integer(c_int) :: status
         end function
 

@@ -79,6 +79,7 @@ program drive_uel
     call check_flags()
     call check_properties()
     call check_lost_surface()
+    call check_divergence()
     call check_few_candidates()
     call check_structures()
     call check_adaptive_tangent()
@@ -432,6 +433,33 @@ contains
         print '(a)', 'a lost surface asks for a cut-back'
     end subroutine
 
+    !> An iteration that diverges, of a slave with a pairing and of one without: positions that are no numbers, a force that is none.
+    subroutine check_divergence()
+        use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
+        real(8) :: moved(freedoms), forces(freedoms, 1), tangent(freedoms, freedoms), state(variables), none(freedoms, 1), &
+            told(properties)
+        integer :: k
+
+        none = 0
+        do k = 1, 3
+            state = history(:, 1)
+            if (k == 2) state = 0
+            moved = u(:, 1)
+            told = props
+            if (k < 3) moved(1) = ieee_value(1d0, ieee_quiet_nan)
+            if (k == 3) told(1:2) = [huge(1d0), 1d10]
+            none(1, 1) = moved(1) - moved(1)
+            pnewdt = 5
+            call call_any(1, 1, 0, coords(:, :, 1), moved, none, told, state, forces, tangent)
+            if (any(forces /= 0) .or. any(tangent /= 0)) call fail('without numbers there is no force')
+            if (k == 2 .and. any(state /= 0)) call fail('SVARS stay those of the beginning')
+            if (k /= 2 .and. any(state /= history(:, 1))) call fail('SVARS stay those of the start of the increment')
+            if (pnewdt /= 0.25d0) call fail('a divergent iteration asks for a cut-back')
+        end do
+        pnewdt = 1
+        print '(a)', 'a divergent iteration asks for a cut-back'
+    end subroutine
+
     !> Five candidates carry the linear basis alone.
     subroutine check_few_candidates()
         integer, parameter :: few = 6, own = 3*few
@@ -516,6 +544,8 @@ contains
         case (18)
             state(5:7) = nan
         case (19)
+            ! Where force and stiffness are asked for it is a smaller increment that is.
+            kind = 5
             still(1) = nan
         case (20)
             told(4:6) = 0

@@ -58,6 +58,7 @@ program drive_uel_domains
     call check_all_facets()
     call check_perturbation(contacts(2), size(contacts(2)%rhs))
     call check_left_window()
+    call check_divergence()
     call measure()
 
 contains
@@ -607,6 +608,32 @@ contains
         if (contacts(1)%history(9) >= 0) call fail('the slave penetrated')
         if (pnewdt /= 5) call fail('a slave that leaves the master asks for no cut-back')
         print '(a)', 'a slave beyond its window asks for a cut-back'
+        u = accepted
+        pnewdt = 1
+    end subroutine
+
+    !> An iteration that diverges, in the first increment and in a later one: positions that are no numbers, a force that is none.
+    subroutine check_divergence()
+        real(8) :: penalty, kept(size(contacts(1)%history))
+        integer :: k
+
+        penalty = props(1)
+        kept = contacts(1)%history
+        do k = 1, 3
+            u = accepted
+            if (k < 3) u(1, 1) = ieee_value(1d0, ieee_quiet_nan)
+            if (k == 2) contacts(1)%history = 0
+            if (k == 3) props(1) = huge(1d0)
+            pnewdt = 5
+            call call_uel(contacts(1), 1)
+            if (pnewdt /= 0.25d0) call fail('a divergent iteration asks for a cut-back')
+            if (any(abs(contacts(1)%rhs) > 0) .or. any(abs(contacts(1)%amatrx) > 0)) &
+                call fail('without numbers there is no force')
+            if (any(contacts(1)%svars /= contacts(1)%history)) call fail('SVARS stay without numbers')
+            contacts(1)%history = kept
+            props(1) = penalty
+        end do
+        print '(a)', 'a divergent iteration asks for a cut-back'
         u = accepted
         pnewdt = 1
     end subroutine

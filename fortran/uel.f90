@@ -73,6 +73,9 @@
 ! A perturbation is linear about contacts as they are in the base state: those that touch go on to, the others do not come to. It leaves
 ! SVARS, the base state, as they are. A second column of RHS (Riks) is zero: contact is no load.
 !
+! In a general step with LFLAGS(3) = 1 positions that are no numbers, or a force that overflows, ask for a smaller increment: zeros, SVARS
+! as they were, PNEWDT at most 0.25, and a message. Other calls with such positions end the analysis.
+!
 ! Static and other procedures without inertia; a dynamic one (LFLAGS(1) = 11, 12, 13) ends the analysis with a message, as do any other
 ! LFLAGS(3), wrong sizes and SVARS that are not this element's. Compile with diffuse_contact.f90 and uel_domains.f90 beside it and link
 ! libdiffuse_contact.
@@ -96,14 +99,14 @@ subroutine uel(rhs, amatrx, svars, energy, ndofel, nrhs, nsvars, props, nprops, 
 
     integer, parameter :: before_masters = 12
     real(8), parameter :: least_cutback = 0.1d0
-    real(8) :: now(3, nnode), start(3, nnode), limit, depth
+    real(8) :: now(3, nnode), start(3, nnode), given(nsvars), limit, depth
     type(dc_element) :: element
     type(dc_options) :: options
     type(dc_pairing) :: pairing
     type(dc_point) :: point
     integer(c_int32_t) :: masters(nnode)
     integer :: anchor
-    logical :: has_facets, is_paired, is_perturbation, ends_increment, wants_force, wants_stiffness, has_result
+    logical :: has_facets, is_paired, is_perturbation, ends_increment, wants_force, wants_stiffness, has_result, is_lost
 
     has_facets = .false.
     if (njprop > 0) has_facets = jprops(1) /= 0
@@ -132,11 +135,14 @@ subroutine uel(rhs, amatrx, svars, energy, ndofel, nrhs, nsvars, props, nprops, 
             rhs(1:ndofel, 1:nrhs), amatrx, energy, pnewdt)
         return
     end if
+    is_lost = .false.
+    given = svars(1:nsvars)
     call read_pairing()
     if (.not. is_paired) call pair_at(start)
     has_result = .false.
     if (is_paired) call evaluate()
-    if (ends_increment) call write_pairing()
+    if (ends_increment .and. .not. is_lost) call write_pairing()
+    if (is_lost) call ask_for_less()
 
 contains
 
@@ -252,7 +258,9 @@ contains
         end if
         status = dc_pair(options, slave=positions(:, 1), candidates=positions(:, 2:), candidate_count=int(nnode - 1, c_size_t), &
             outward=pairing%normal, masters=masters, capacity=int(nnode, c_size_t), pairing=found)
-        call stop_unless_either(status)
+        is_paired = .false.
+        call attempt(status)
+        if (is_lost) return
         ! A direction in the plane of the masters has no outward side: without a history it is PROPS(4:6), and a mistake.
         if (status == DC_NO_CONTACT .and. svars(1) == 0) call stop_unless(index(dc_text(), 'ambiguous-outward') == 0)
         ! Beyond the border of the masters the fit is an extrapolation.
@@ -294,7 +302,8 @@ contains
         element%outward = pairing%normal
         status = dc_gap(element, now(:, 1), now(:, 1 + masters(1:count)), count, int(DC_HESSIAN, c_int32_t), point, &
             gradient, freedoms, hessian, packed)
-        call stop_unless_either(status)
+        call attempt(status)
+        if (is_lost) return
         has_result = status == DC_OK
         limit = merge(props(8), 0.25d0, props(8) > 0)
         if (.not. has_result) then
@@ -312,7 +321,8 @@ contains
         area = merge(props(2), 1d0, props(2) > 0)
         status = dc_element_system(law, point%gap, area, count, gradient, hessian, force, residual, freedoms, tangent, &
             freedoms**2)
-        call stop_unless(status == DC_OK)
+        call attempt(status)
+        if (is_lost) return
         if (ends_increment) then
             svars(10) = force
             energy(2) = -0.5d0*force*point%gap
@@ -373,13 +383,28 @@ contains
         end do
     end subroutine
 
-    subroutine stop_unless_either(status)
+    !> An iteration that diverges has positions or forces that are no numbers: a smaller increment may help.
+    subroutine attempt(status)
         integer(c_int), intent(in) :: status
 
-        call stop_unless(status == DC_OK .or. status == DC_NO_CONTACT)
+        is_lost = ends_increment .and. (status == DC_NOT_FINITE .or. status == DC_OVERFLOW)
+        if (is_lost) then
+            write (7, '(a, i0, 2a)') 'diffuse contact: element ', jelem, ': ', dc_text()
+        else
+            call stop_unless(status == DC_OK .or. status == DC_NO_CONTACT)
+        end if
     end subroutine
 
-    !> Ends the analysis with the library's message: positions that are no numbers, for instance.
+    !> A smaller increment, which begins where this one did.
+    subroutine ask_for_less()
+        svars(1:nsvars) = given
+        rhs(1:ndofel, 1:nrhs) = 0
+        amatrx = 0
+        energy = 0
+        call suggest(0.25d0)
+    end subroutine
+
+    !> Ends the analysis with the library's message.
     subroutine stop_unless(is_met)
         logical, intent(in) :: is_met
 

@@ -100,14 +100,16 @@ contains
         real(8), intent(in) :: coords(:, :), now(:, :), start(:, :), du(:, :), props(:)
         integer, intent(in) :: jprops(:)
         real(8), intent(inout) :: svars(:), rhs(:, :), amatrx(:, :), energy(:), pnewdt
-        real(8) :: told(FRICTION_PROPERTIES), area, was, normal_force
+        real(8) :: told(FRICTION_PROPERTIES), area, was, normal_force, given(size(svars))
         real(8), allocatable :: friction(:), residual(:)
         type(c_ptr) :: interface, window
         type(dc_law) :: law, frictionless
         type(dc_contact_data) :: contact
         integer, allocatable :: order(:)
-        logical :: has_friction
+        logical :: has_friction, is_lost
 
+        is_lost = .false.
+        given = svars
         told = all_properties(props)
         area = merge(told(2), 1d0, told(2) > 0)
         was = merge(svars(9), 0d0, svars(1) > 0)
@@ -116,17 +118,10 @@ contains
         call make_law()
         call make_interface()
         if (has_friction) call take_history()
-        ! A slave that has come nearer to the back of a thin master stays on the side where the increment began.
-        call expect(dc_refresh(interface, in_order(start), count_of(order)))
-        call expect(dc_follow(interface, in_order(now), count_of(order)))
-        call expect(dc_evaluate(interface, int(DC_HESSIAN, c_int32_t)))
-        call look_at_contact()
-        if (contact%outcome == DC_BEYOND_WINDOW) then
-            call leave_window()
-        else
-            call take_results()
-            if (this%ends_increment) call write_state()
-        end if
+        if (.not. is_lost) call find_contact()
+        if (.not. is_lost) call take_results()
+        if (.not. is_lost .and. this%ends_increment) call write_state()
+        if (is_lost) call ask_for_less()
         call expect(dc_destroy(interface))
 
     contains
@@ -212,6 +207,16 @@ contains
             end do
         end subroutine
 
+        subroutine find_contact()
+            ! A slave that has come nearer to the back of a thin master stays on the side where the increment began.
+            call attempt(dc_refresh(interface, in_order(start), count_of(order)))
+            if (.not. is_lost) call attempt(dc_follow(interface, in_order(now), count_of(order)))
+            if (is_lost) return
+            call expect(dc_evaluate(interface, int(DC_HESSIAN, c_int32_t)))
+            call look_at_contact()
+            if (contact%outcome == DC_BEYOND_WINDOW) call lose(LEFT)
+        end subroutine
+
         subroutine look_at_contact()
             integer(c_int) :: status
 
@@ -228,11 +233,12 @@ contains
                 call expect(dc_set_history(interface, svars(BEFORE_HISTORY + 1:BEFORE_HISTORY + count), int(count, c_size_t)))
                 return
             end if
-            call expect(dc_refresh(interface, in_order(start), count_of(order)))
+            call attempt(dc_refresh(interface, in_order(start), count_of(order)))
+            if (is_lost) return
             call expect(dc_evaluate(interface, int(DC_VALUE, c_int32_t)))
             call look_at_contact()
             if (contact%outcome == DC_BEYOND_WINDOW) call stop_with(LEFT)
-            call expect(dc_accept(interface, law))
+            call attempt(dc_accept(interface, law))
         end subroutine
 
         !> Forces and stiffness.
@@ -244,16 +250,20 @@ contains
             allocate (residual(size(coords)), friction(size(coords)))
             residual = 0
             friction = 0
-            call expect(dc_add_forces(interface, law, residual, count_of(residual)))
+            call attempt(dc_add_forces(interface, law, residual, count_of(residual)))
+            if (is_lost) return
             if (has_friction) then
-                call expect(dc_add_forces(interface, frictionless, friction, count_of(residual)))
+                call attempt(dc_add_forces(interface, frictionless, friction, count_of(residual)))
+                if (is_lost) return
                 friction = residual - friction
             end if
-            call expect(dc_forces(interface, frictionless, forces=one, slave_count=1_c_size_t))
+            call attempt(dc_forces(interface, frictionless, forces=one, slave_count=1_c_size_t))
+            if (is_lost) return
             normal_force = one(1)
             if (this%wants_stiffness .or. this%is_perturbation) then
                 allocate (tangent(size(residual), size(residual)))
                 call assemble(tangent)
+                if (is_lost) return
                 if (this%wants_stiffness) amatrx = tangent
             end if
             if (this%is_perturbation) then
@@ -289,9 +299,10 @@ contains
             integer :: k
 
             allocate (rows(size(tangent)), columns(size(tangent)), values(size(tangent)))
-            call expect(dc_triplets(interface, law, int(DC_FULL, c_int32_t), rows, columns, values, &
-                count_of(values), found))
             tangent = 0
+            call attempt(dc_triplets(interface, law, int(DC_FULL, c_int32_t), rows, columns, values, &
+                count_of(values), found))
+            if (is_lost) return
             do k = 1, int(found)
                 associate (here => tangent(rows(k) + 1, columns(k) + 1))
                     here = here + values(k)
@@ -314,7 +325,8 @@ contains
             svars(12) = contact%fallback
             energy(2) = 0.5d0*normal_force*max(0d0, -svars(9))
             if (.not. has_friction) return
-            call expect(dc_accept(interface, law, stuck, sliding, dissipated=work))
+            call attempt(dc_accept(interface, law, stuck, sliding, dissipated=work))
+            if (is_lost) return
             svars(4) = DC_OPEN
             if (stuck > 0) svars(4) = DC_STICK
             if (sliding > 0) svars(4) = DC_SLIP
@@ -332,10 +344,32 @@ contains
             svars(2) = real(count, 8)
         end subroutine
 
-        !> The slave has left what its window holds: there is no result. In an iteration a smaller increment may help.
-        subroutine leave_window()
-            if (.not. this%ends_increment) call stop_with(LEFT)
-            write (7, '(a, i0, 2a)') 'diffuse contact: element ', this%label, ': ', LEFT
+        !> There is no result. In an iteration a smaller increment may help.
+        subroutine lose(why)
+            character(len=*), intent(in) :: why
+
+            if (.not. this%ends_increment) call stop_with(why)
+            write (7, '(a, i0, 2a)') 'diffuse contact: element ', this%label, ': ', why
+            is_lost = .true.
+        end subroutine
+
+        !> An iteration that diverges has positions or forces that are no numbers.
+        subroutine attempt(status)
+            integer(c_int), intent(in) :: status
+
+            if (status == DC_NOT_FINITE .or. status == DC_OVERFLOW) then
+                call lose(dc_text())
+            else
+                call expect(status)
+            end if
+        end subroutine
+
+        !> A smaller increment, which begins where this one did.
+        subroutine ask_for_less()
+            svars = given
+            rhs = 0
+            amatrx = 0
+            energy = 0
             pnewdt = min(pnewdt, 0.25d0)
         end subroutine
 

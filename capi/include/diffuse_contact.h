@@ -292,7 +292,7 @@ typedef struct dc_options {
     int32_t basis;
     // Whether the linear basis may stand in for the quadratic one: 0 or 1. Default: 1.
     int32_t linear_fallback;
-    // Whether contacts carry tributary areas, so that the penalty is one per area: 0 or 1. Default: 0.
+    // Whether contacts carry tributary areas, so that the penalty is one per area: 0 or 1. They need slave facets. Default: 0.
     int32_t areas;
     // 0.
     int32_t reserved;
@@ -382,7 +382,8 @@ typedef struct dc_contact {
 } dc_contact;
 
 // A normal law of the caller's own. `pressure` has room for two numbers: p, force per area, or over nodes without areas force, and
-// dp/dg, at the signed gap of a slave. A contact whose p is not positive is open.
+// dp/dg, at the signed gap of a slave. `slave` is its place among the slaves, counted from 0, and not its node: see dc_slaves and
+// dc_faces_slaves. A contact whose p is not positive is open.
 //
 // It is called from several threads at once, within any call that takes the law, and has to answer the same each time. It must return:
 // no exception and no longjmp. What is no number is refused as that of a law.
@@ -408,9 +409,9 @@ typedef struct dc_law {
     size_t size;
     // Force per length, or per length^3 where contacts carry areas; positive.
     double penalty;
-    // lambda of each slave, at least 0: the forces of the augmented Lagrangian. NULL, or none of them, for the penalty method.
+    // lambda of each slave, at least 0: the forces of the augmented Lagrangian. NULL for the penalty method.
     const double *multipliers;
-    // Number of multipliers: of slaves, 1 for a single element, or 0.
+    // Number of multipliers: of slaves, or 1 for a single element; 0 with NULL.
     size_t multiplier_count;
     // dc_tangent; 0 is DC_EXACT.
     int32_t tangent;
@@ -431,8 +432,8 @@ typedef struct dc_law {
     // A normal law by table, in the place of the penalty's: ascending gaps, at least two, ...
     const double *normal_gaps;
     // ... and the pressure at each, force per area, or over nodes without areas force: linear between them and beyond them. Contacts whose
-    // pressure is not positive are open. NULL and 0 for the penalty's law. There are no multipliers then, and the penalty only
-    // estimates where contacts that close have touched: about the stiffness of the table in contact.
+    // pressure is not positive are open. NULL and 0 for the penalty's law; an array whose count is 0 is DC_BAD_SIZE. There are no
+    // multipliers then, and the penalty only estimates where contacts that close have touched: about the stiffness of the table in contact.
     const double *normal_pressures;
     // Number of gaps, and of pressures.
     size_t normal_count;
@@ -581,7 +582,8 @@ enum dc_status dc_options_default(struct dc_options *options);
 //
 // `positions`: x, y, z of all `node_count` nodes; indices count from 0. `facets`: the master surface, 4 nodes for each
 // facet, counter-clockwise seen from outside; the fourth is -1 for a triangle. `slaves`: the slave nodes, none of them on
-// the master. `slave_facets`: as `facets`, only looked at for areas; NULL and 0 without. `options`: NULL for the defaults.
+// the master. `slave_facets`: as `facets`, for `areas` of `options`, and DC_BAD_OPTION where these are 0; NULL and 0 without. `options`: NULL
+// for the defaults, which have no areas.
 //
 // There is no pairing yet: call dc_refresh. On failure the handle is NULL.
 //
@@ -599,8 +601,9 @@ enum dc_status dc_create(const double *positions,
                          struct dc_interface **interface);
 
 // Makes an interface of a surface in contact with itself: each of its nodes is a slave, and `facets` are all that it may touch. The surface
-// may be the skins of several bodies. Give the law half of the penalty between two surfaces: both sides push. With `areas` of `options` they
-// are those of `facets`. All else is as with dc_create; dc_window_create is DC_BAD_OPTION.
+// may be the skins of several bodies. Slaves are in ascending order. Give the law half of the penalty between two surfaces: both sides push.
+// With `areas` of `options` they are those of `facets`; there are none by default, other than in Python. All else is as with dc_create;
+// dc_window_create is DC_BAD_OPTION.
 //
 // # Safety
 // As dc_create.
@@ -620,11 +623,20 @@ enum dc_status dc_destroy(struct dc_interface *interface);
 // Each is NULL or may be written.
 enum dc_status dc_counts(struct dc_interface *interface, size_t *node_count, size_t *slave_count);
 
+// The slave nodes, in the order of results and multipliers: that of dc_create, ascending for a surface in contact with itself.
+//
+// # Safety
+// `slaves` has `slave_count` entries.
+enum dc_status dc_slaves(struct dc_interface *interface,
+                         int32_t *slaves,
+                         size_t slave_count);
+
 // Makes these planes of symmetry, `plane_count` of them with 6 numbers each: x, y, z of a point of the plane, then of its unit normal
 // to the side of the model. The master surface goes on beyond them as its mirror image, so that masters near a plane have
 // neighbours on both sides, and where it ends in a plane is no border. Default: none; NULL and 0 take all away.
 //
-// Call it before the first dc_refresh: no slave is paired afterwards. Planes lie still. They need DC_DOMAINS or DC_NODE_TO_FACET, else
+// Call it before the first dc_refresh: no slave is paired afterwards. The history of friction ends, unless the planes are the same: call
+// dc_set_history after it. Planes lie still. They need DC_DOMAINS or DC_NODE_TO_FACET, else
 // DC_BAD_OPTION. DC_BAD_SURFACE for a normal that is no unit vector, and for planes that are neither
 // parallel nor at 180 degrees over a whole number.
 //
@@ -822,8 +834,8 @@ enum dc_status dc_roll_back(struct dc_interface *interface);
 // has no friction.
 //
 // `stuck_count` and `sliding_count` get the numbers of slaves that stick and that slide, `unanchored_count` that of slaves that carry
-// force without friction, as they had no gap at the end of the increment before; `dissipated` the work of friction in the increment,
-// energy. Each may be NULL.
+// force without friction, as they had no gap at the end of the increment before; `dropped_count` that of slaves that were closed then
+// and have lost their contact element; `dissipated` the work of friction in the increment, energy. Each may be NULL.
 //
 // DC_BAD_OPTION for a law with friction if there can be none: for DC_DIFFUSE without DC_DOMAINS, or in a library built without its
 // feature `friction`. DC_NODE_TO_FACET has friction in every build.
@@ -835,7 +847,24 @@ enum dc_status dc_accept(struct dc_interface *interface,
                          size_t *stuck_count,
                          size_t *sliding_count,
                          size_t *unanchored_count,
+                         size_t *dropped_count,
                          double *dissipated);
+
+// Friction of all slaves at the positions of the last dc_evaluate, in DC_GRADIENT or DC_HESSIAN, one entry each: `states`
+// dc_friction_state; `tractions` on the slave, 3 numbers each, force per area, a force where the interface has no areas; `slips` since
+// the place of touch or the last accepted state, length. 0 where a slave is DC_OPEN, as all are if the law has no friction. Each may be
+// NULL. Call it before dc_accept, which ends the evaluation, with the law of the forces.
+//
+// DC_NOT_EVALUATED for slaves that carry force before the first dc_accept.
+//
+// # Safety
+// `law` as in dc_add_forces; the arrays have `slave_count` entries, `tractions` three times as many.
+enum dc_status dc_friction(struct dc_interface *interface,
+                           const struct dc_law *law,
+                           int32_t *states,
+                           double *tractions,
+                           double *slips,
+                           size_t slave_count);
 
 // The history of friction as plain numbers, for a restart: `count` gets how many there are, 0 without a history. `history` is NULL to
 // learn that, or has room for `capacity` numbers: DC_BAD_SIZE if that is too little, and `count` is written all the same.
@@ -1079,6 +1108,9 @@ enum dc_status dc_window_from_numbers(const int64_t *integers,
 // of dc_window_names, where they were when it was made; slaves come after them. Planes of symmetry come with the window. Weight, basis and
 // feature angle have to be those that it was made with, else DC_BAD_OPTION.
 //
+// With `areas` of `options` slaves and all other nodes of `slave_facets` have to be in their first positions here, also in a later
+// increment: areas are those at these positions. `slave_facets` are all facets at the slaves, in the order of the whole.
+//
 // Results are those of an interface with the whole surface, bit for bit, or the outcome DC_BEYOND_WINDOW. dc_set_symmetry is refused.
 //
 // # Safety
@@ -1215,9 +1247,9 @@ enum dc_status dc_history_lengths(const double *history,
 //
 // `positions`: x, y, z of all `node_count` nodes in the first configuration; indices count from 0. `facets`: the master surface,
 // `slave_facets`: the faces of the slave, none of their nodes on the master; of both 4 nodes for each facet, counter-clockwise
-// seen from outside, the fourth -1 for a triangle. NULL and 0: the surface of `facets` is in contact with itself, and its nodes are the
-// slaves; give the law half of the penalty then. `options`: NULL for the defaults; `rule` has to be DC_DOMAINS, `areas` and
-// `cutback_penetration` have no meaning. `degree`: 2 or 4, of the polynomials that are integrated exactly on each piece of a face.
+// seen from outside, the fourth -1 for a triangle. NULL and 0 where there are no slave facets, as on a rank of MPI. `options`: NULL for the
+// defaults; `rule` has to be DC_DOMAINS, `areas` and `cutback_penetration` have no meaning. `degree`: 2 or 4, of the polynomials that are
+// integrated exactly on each piece of a face.
 //
 // On failure the handle is NULL.
 //
@@ -1232,6 +1264,20 @@ enum dc_status dc_faces_create(const double *positions,
                                const struct dc_options *options,
                                int32_t degree,
                                struct dc_faces **faces);
+
+// Makes an object for contact over faces of a surface with itself: each of its facets is a face of the slave, and `facets` are all that it
+// may touch. The surface may be the skins of several bodies, and its nodes are the slaves. Give the law half of the penalty between two
+// surfaces: both sides push. All else is as with dc_faces_create.
+//
+// # Safety
+// As dc_faces_create.
+enum dc_status dc_faces_create_self_contact(const double *positions,
+                                            size_t node_count,
+                                            const int32_t *facets,
+                                            size_t facet_count,
+                                            const struct dc_options *options,
+                                            int32_t degree,
+                                            struct dc_faces **faces);
 
 // Destroys it. NULL is DC_OK, a handle that was destroyed before is DC_BAD_HANDLE.
 enum dc_status dc_faces_destroy(struct dc_faces *faces);
@@ -1248,8 +1294,8 @@ enum dc_status dc_faces_counts(struct dc_faces *faces, size_t *node_count, size_
 // `slaves` has `slave_count` entries.
 enum dc_status dc_faces_slaves(struct dc_faces *faces, int32_t *slaves, size_t slave_count);
 
-// As dc_set_symmetry, for both surfaces, in the first configuration. The history of friction ends, and there is no contact until the next
-// dc_faces_refresh.
+// As dc_set_symmetry, for both surfaces, in the first configuration. The history of friction ends, unless the planes are the same: call
+// dc_faces_set_history after it. There is no contact until the next dc_faces_refresh.
 //
 // # Safety
 // `planes` has 6 `plane_count` entries.
@@ -1347,7 +1393,8 @@ enum dc_status dc_faces_friction(struct dc_faces *faces,
 
 // As dc_accept, of the positions of the last dc_faces_refresh or dc_faces_update: call it once before the first increment, after
 // dc_faces_refresh, and then after each that has converged. `unanchored_count` gets the number of nodes that carry pressure without
-// friction, as nothing lay over them at the end of the increment before. Every build of the library has it.
+// friction, as nothing lay over them at the end of the increment before, `dropped_count` that of nodes that carried pressure then and have
+// nothing over them now. Every build of the library has it.
 //
 // # Safety
 // `law` as in dc_faces_evaluate; the others are NULL or may be written.
@@ -1356,6 +1403,7 @@ enum dc_status dc_faces_accept(struct dc_faces *faces,
                                size_t *stuck_count,
                                size_t *sliding_count,
                                size_t *unanchored_count,
+                               size_t *dropped_count,
                                double *dissipated);
 
 // As dc_augment, of the nodes of the slave's faces; then dc_faces_evaluate again.
@@ -1458,6 +1506,24 @@ enum dc_status dc_faces_triplets(struct dc_faces *faces,
                                  double *values,
                                  size_t capacity,
                                  size_t *count);
+
+// Which nodes couple with one another, for the pattern of a host's matrix: cliques, one for each slave node with points around it. The nodes
+// of clique k are `nodes[offsets[k]]` to `nodes[offsets[k + 1] - 1]`, ascending. An entry of the tangent is in the rows and columns of two
+// nodes of one clique, whatever evaluation follows. They hold all that has coupled since the last dc_faces_refresh: where
+// dc_faces_update says `grown` they are more than before, and after a dc_faces_refresh other ones. They need no evaluation.
+//
+// `clique_count` gets their number, `entry_count` that of all their nodes; there is an offset more than cliques. Each may be NULL: call it
+// without arrays first. DC_BAD_SIZE if there is not room for all. Before the first dc_faces_refresh there are none.
+//
+// # Safety
+// `offsets` has `offset_capacity` entries, `nodes` has `node_capacity`, or they are NULL; the others are NULL or may be written.
+enum dc_status dc_faces_cliques(struct dc_faces *faces,
+                                int32_t *offsets,
+                                size_t offset_capacity,
+                                int32_t *nodes,
+                                size_t node_capacity,
+                                size_t *clique_count,
+                                size_t *entry_count);
 
 // Makes an object for contact over faces that knows a window of either surface only, two handles. Nodes are those of `master` in the
 // order of dc_window_names, then those of `slave`; `positions` are where they were when the window of the master was made. The faces are

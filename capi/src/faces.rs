@@ -9,7 +9,7 @@ use runtime::faces::{
 use runtime::interface::InterfaceError;
 use runtime::surface::{Facet, MasterSurface};
 
-use crate::border::{self, Plain, Versioned, disjoint, input, reserve, roomy, target, wanted, wanted_report};
+use crate::border::{self, Plain, Versioned, disjoint, input, reserve, roomy, wanted, wanted_report};
 use crate::choice;
 use crate::law::{self, dc_law};
 use crate::mesh::{self, check_nodes, equations_of, facet_rows, facets_of, points, symmetry_planes};
@@ -89,9 +89,9 @@ pub fn insert(interface: FaceInterface, nodes: usize) -> Result<usize, Failure> 
 ///
 /// `positions`: x, y, z of all `node_count` nodes in the first configuration; indices count from 0. `facets`: the master surface,
 /// `slave_facets`: the faces of the slave, none of their nodes on the master; of both 4 nodes for each facet, counter-clockwise
-/// seen from outside, the fourth -1 for a triangle. NULL and 0: the surface of `facets` is in contact with itself, and its nodes are the
-/// slaves; give the law half of the penalty then. `options`: NULL for the defaults; `rule` has to be DC_DOMAINS, `areas` and
-/// `cutback_penetration` have no meaning. `degree`: 2 or 4, of the polynomials that are integrated exactly on each piece of a face.
+/// seen from outside, the fourth -1 for a triangle. NULL and 0 where there are no slave facets, as on a rank of MPI. `options`: NULL for the
+/// defaults; `rule` has to be DC_DOMAINS, `areas` and `cutback_penetration` have no meaning. `degree`: 2 or 4, of the polynomials that are
+/// integrated exactly on each piece of a face.
 ///
 /// On failure the handle is NULL.
 ///
@@ -122,15 +122,49 @@ pub unsafe extern "C" fn dc_faces_create(
             };
             check_nodes(positions.len())?;
             let options = face_options(&options, degree)?;
-            let is_self_contact = slave_facets.is_null();
             let (master, slave) = (facets_of(master)?, facets_of(slave)?);
             let interface = threads::run(|| -> Result<FaceInterface, Failure> {
                 let master = MasterSurface::new(positions, master)?;
-                Ok(if is_self_contact {
-                    FaceInterface::self_contact(master, positions, options)?
-                } else {
-                    FaceInterface::new(master, &slave, positions, options)?
-                })
+                Ok(FaceInterface::new(master, &slave, positions, options)?)
+            })??;
+            insert(interface, positions.len())
+        };
+        // SAFETY: as the caller promises.
+        unsafe { border::hand_out("faces", faces, make) }
+    })
+}
+
+/// Makes an object for contact over faces of a surface with itself: each of its facets is a face of the slave, and `facets` are all that it
+/// may touch. The surface may be the skins of several bodies, and its nodes are the slaves. Give the law half of the penalty between two
+/// surfaces: both sides push. All else is as with dc_faces_create.
+///
+/// # Safety
+/// As dc_faces_create.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn dc_faces_create_self_contact(
+    positions: *const f64,
+    node_count: usize,
+    facets: *const i32,
+    facet_count: usize,
+    options: *const dc_options,
+    degree: i32,
+    faces: *mut *mut dc_faces,
+) -> dc_status {
+    border::call(|| {
+        let make = || {
+            // SAFETY: as the caller promises.
+            let (positions, facets, options) = unsafe {
+                (
+                    points(positions, node_count)?,
+                    facet_rows("facets", facets, facet_count)?,
+                    dc_options::read(options)?,
+                )
+            };
+            check_nodes(positions.len())?;
+            let (options, facets) = (face_options(&options, degree)?, facets_of(facets)?);
+            let interface = threads::run(|| -> Result<FaceInterface, Failure> {
+                let surface = MasterSurface::new(positions, facets)?;
+                Ok(FaceInterface::self_contact(surface, positions, options)?)
             })??;
             insert(interface, positions.len())
         };
@@ -172,16 +206,13 @@ pub unsafe extern "C" fn dc_faces_slaves(
     slave_count: usize,
 ) -> dc_status {
     call(faces, |state| {
-        state.expect_slaves(slave_count)?;
-        let slaves = target("slaves", slaves, slave_count)?;
         // SAFETY: as the caller promises.
-        unsafe { slaves.write(state.interface.slaves().iter().map(|&node| node as i32)) };
-        Ok(())
+        unsafe { mesh::write_slaves(state.interface.slaves(), slaves, slave_count) }
     })
 }
 
-/// As dc_set_symmetry, for both surfaces, in the first configuration. The history of friction ends, and there is no contact until the next
-/// dc_faces_refresh.
+/// As dc_set_symmetry, for both surfaces, in the first configuration. The history of friction ends, unless the planes are the same: call
+/// dc_faces_set_history after it. There is no contact until the next dc_faces_refresh.
 ///
 /// # Safety
 /// `planes` has 6 `plane_count` entries.

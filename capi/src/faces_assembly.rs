@@ -96,3 +96,47 @@ pub unsafe extern "C" fn dc_faces_triplets(
         unsafe { write(&triplets, (rows, columns, values), capacity, count) }
     })
 }
+
+/// Which nodes couple with one another, for the pattern of a host's matrix: cliques, one for each slave node with points around it. The nodes
+/// of clique k are `nodes[offsets[k]]` to `nodes[offsets[k + 1] - 1]`, ascending. An entry of the tangent is in the rows and columns of two
+/// nodes of one clique, whatever evaluation follows. They hold all that has coupled since the last dc_faces_refresh: where
+/// dc_faces_update says `grown` they are more than before, and after a dc_faces_refresh other ones. They need no evaluation.
+///
+/// `clique_count` gets their number, `entry_count` that of all their nodes; there is an offset more than cliques. Each may be NULL: call it
+/// without arrays first. DC_BAD_SIZE if there is not room for all. Before the first dc_faces_refresh there are none.
+///
+/// # Safety
+/// `offsets` has `offset_capacity` entries, `nodes` has `node_capacity`, or they are NULL; the others are NULL or may be written.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn dc_faces_cliques(
+    faces: *mut dc_faces,
+    offsets: *mut i32,
+    offset_capacity: usize,
+    nodes: *mut i32,
+    node_capacity: usize,
+    clique_count: *mut usize,
+    entry_count: *mut usize,
+) -> dc_status {
+    call(faces, |state| {
+        let cliques = || state.interface.cliques();
+        let (count, entries) = cliques().fold((0, 0), |(count, all), clique| (count + 1, all + clique.len()));
+        index("entries", entries)?;
+        let offsets = wanted("offsets", offsets, offset_capacity, count + 1)?;
+        let nodes = wanted("nodes", nodes, node_capacity, entries)?;
+        let clique_count = wanted("clique_count", clique_count, 1, 1)?;
+        let entry_count = wanted("entry_count", entry_count, 1, 1)?;
+        disjoint([offsets.span(), nodes.span(), clique_count.span(), entry_count.span()])?;
+        let ends = cliques().scan(0, |end, clique| {
+            *end += clique.len() as i32;
+            Some(*end)
+        });
+        // SAFETY: as the caller promises.
+        unsafe {
+            offsets.write(std::iter::once(0).chain(ends));
+            nodes.write(cliques().flatten().map(|&node| node as i32));
+            clique_count.write([count]);
+            entry_count.write([entries]);
+        }
+        Ok(())
+    })
+}

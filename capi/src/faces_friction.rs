@@ -41,7 +41,8 @@ pub unsafe extern "C" fn dc_faces_friction(
 
 /// As dc_accept, of the positions of the last dc_faces_refresh or dc_faces_update: call it once before the first increment, after
 /// dc_faces_refresh, and then after each that has converged. `unanchored_count` gets the number of nodes that carry pressure without
-/// friction, as nothing lay over them at the end of the increment before. Every build of the library has it.
+/// friction, as nothing lay over them at the end of the increment before, `dropped_count` that of nodes that carried pressure then and have
+/// nothing over them now. Every build of the library has it.
 ///
 /// # Safety
 /// `law` as in dc_faces_evaluate; the others are NULL or may be written.
@@ -52,12 +53,13 @@ pub unsafe extern "C" fn dc_faces_accept(
     stuck_count: *mut usize,
     sliding_count: *mut usize,
     unanchored_count: *mut usize,
+    dropped_count: *mut usize,
     dissipated: *mut f64,
 ) -> dc_status {
     call(faces, |state| {
         let slave_count = state.interface.slaves().len();
         let contacts = &mut state.interface;
-        let accepted = Accepted { stuck_count, sliding_count, unanchored_count, dissipated };
+        let accepted = Accepted { stuck_count, sliding_count, unanchored_count, dropped_count, dissipated };
         // SAFETY: as the caller promises.
         let has_friction = unsafe { accepted.write(law, slave_count, |law| contacts.accept(law))? };
         state.evaluated &= !has_friction;

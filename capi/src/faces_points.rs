@@ -3,6 +3,7 @@
 use crate::border::{disjoint, wanted};
 use crate::faces::{call, dc_faces};
 use crate::status::dc_status;
+use crate::threads;
 
 /// What contact is at the integration points that lie over the master, face by face, by the pressures of the last dc_faces_evaluate; found
 /// anew by each call. `faces_of_points` gets numbers of their faces among the slave's; `positions` places on the slave's own smooth surface,
@@ -29,7 +30,7 @@ pub unsafe extern "C" fn dc_faces_points(
 ) -> dc_status {
     call(faces, |state| {
         state.contacts()?;
-        let points = state.interface.integration_points()?;
+        let points = threads::run(|| state.interface.integration_points())??;
         let (count, three, room) = (points.len(), 3 * points.len(), capacity.saturating_mul(3));
         let faces_of_points = wanted("faces_of_points", faces_of_points, capacity, count)?;
         let [areas, gaps, pressures] = [("areas", areas), ("gaps", gaps), ("pressures", pressures)]

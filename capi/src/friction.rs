@@ -1,10 +1,10 @@
 //! The history of friction, of interfaces and of contact over faces.
 
-use runtime::assembly::ContactLaw;
+use runtime::assembly::{ContactLaw, slave_friction};
 use runtime::interface::{FrictionReport, InterfaceError};
 
 use crate::border::{self, disjoint, input, target, wanted};
-use crate::choice;
+use crate::choice::{self, Named};
 use crate::interface::{call, dc_interface};
 use crate::law::{self, dc_law};
 use crate::status::{Failure, dc_status};
@@ -15,6 +15,7 @@ pub struct Accepted {
     pub stuck_count: *mut usize,
     pub sliding_count: *mut usize,
     pub unanchored_count: *mut usize,
+    pub dropped_count: *mut usize,
     pub dissipated: *mut f64,
 }
 
@@ -32,8 +33,15 @@ impl Accepted {
         let stuck_count = wanted("stuck_count", self.stuck_count, 1, 1)?;
         let sliding_count = wanted("sliding_count", self.sliding_count, 1, 1)?;
         let unanchored_count = wanted("unanchored_count", self.unanchored_count, 1, 1)?;
+        let dropped_count = wanted("dropped_count", self.dropped_count, 1, 1)?;
         let dissipated = wanted("dissipated", self.dissipated, 1, 1)?;
-        let counts = [stuck_count.span(), sliding_count.span(), unanchored_count.span(), dissipated.span()];
+        let counts = [
+            stuck_count.span(),
+            sliding_count.span(),
+            unanchored_count.span(),
+            dropped_count.span(),
+            dissipated.span(),
+        ];
         // SAFETY: as the caller promises.
         unsafe { law::disjoint(law, counts)? };
         // SAFETY: as the caller promises; nothing overlaps.
@@ -46,6 +54,7 @@ impl Accepted {
             stuck_count.write([report.stuck]);
             sliding_count.write([report.sliding]);
             unanchored_count.write([report.unanchored]);
+            dropped_count.write([report.dropped]);
             dissipated.write([report.dissipated]);
         }
         Ok(law.friction.is_some())
@@ -178,8 +187,8 @@ pub extern "C" fn dc_roll_back(interface: *mut dc_interface) -> dc_status {
 /// has no friction.
 ///
 /// `stuck_count` and `sliding_count` get the numbers of slaves that stick and that slide, `unanchored_count` that of slaves that carry
-/// force without friction, as they had no gap at the end of the increment before; `dissipated` the work of friction in the increment,
-/// energy. Each may be NULL.
+/// force without friction, as they had no gap at the end of the increment before; `dropped_count` that of slaves that were closed then
+/// and have lost their contact element; `dissipated` the work of friction in the increment, energy. Each may be NULL.
 ///
 /// DC_BAD_OPTION for a law with friction if there can be none: for DC_DIFFUSE without DC_DOMAINS, or in a library built without its
 /// feature `friction`. DC_NODE_TO_FACET has friction in every build.
@@ -193,15 +202,58 @@ pub unsafe extern "C" fn dc_accept(
     stuck_count: *mut usize,
     sliding_count: *mut usize,
     unanchored_count: *mut usize,
+    dropped_count: *mut usize,
     dissipated: *mut f64,
 ) -> dc_status {
     call(interface, |state| {
         let slave_count = state.interface.slaves().len();
         let contacts = &mut state.interface;
-        let accepted = Accepted { stuck_count, sliding_count, unanchored_count, dissipated };
+        let accepted = Accepted { stuck_count, sliding_count, unanchored_count, dropped_count, dissipated };
         // SAFETY: as the caller promises.
         if unsafe { accepted.write(law, slave_count, |law| contacts.accept(law))? } {
             state.end_evaluation();
+        }
+        Ok(())
+    })
+}
+
+/// Friction of all slaves at the positions of the last dc_evaluate, in DC_GRADIENT or DC_HESSIAN, one entry each: `states`
+/// dc_friction_state; `tractions` on the slave, 3 numbers each, force per area, a force where the interface has no areas; `slips` since
+/// the place of touch or the last accepted state, length. 0 where a slave is DC_OPEN, as all are if the law has no friction. Each may be
+/// NULL. Call it before dc_accept, which ends the evaluation, with the law of the forces.
+///
+/// DC_NOT_EVALUATED for slaves that carry force before the first dc_accept.
+///
+/// # Safety
+/// `law` as in dc_add_forces; the arrays have `slave_count` entries, `tractions` three times as many.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn dc_friction(
+    interface: *mut dc_interface,
+    law: *const dc_law,
+    states: *mut i32,
+    tractions: *mut f64,
+    slips: *mut f64,
+    slave_count: usize,
+) -> dc_status {
+    call(interface, |state| {
+        state.expect_slaves(slave_count)?;
+        let contacts = state.contacts()?;
+        let states = wanted("states", states, slave_count, slave_count)?;
+        let three = slave_count.saturating_mul(3);
+        let tractions = wanted("tractions", tractions, three, three)?;
+        let slips = wanted("slips", slips, slave_count, slave_count)?;
+        // SAFETY: as the caller promises.
+        let law = unsafe {
+            law::disjoint(law, [states.span(), tractions.span(), slips.span()])?;
+            law::read(law)?
+        };
+        let law = law.contact()?;
+        let found = threads::run(|| slave_friction(contacts, &law))??;
+        // SAFETY: as the caller promises.
+        unsafe {
+            states.write(found.iter().map(|slave| slave.state.number()));
+            tractions.write(found.iter().flat_map(|slave| slave.traction));
+            slips.write(found.iter().map(|slave| slave.slip));
         }
         Ok(())
     })

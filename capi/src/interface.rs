@@ -97,7 +97,8 @@ impl State {
 ///
 /// `positions`: x, y, z of all `node_count` nodes; indices count from 0. `facets`: the master surface, 4 nodes for each
 /// facet, counter-clockwise seen from outside; the fourth is -1 for a triangle. `slaves`: the slave nodes, none of them on
-/// the master. `slave_facets`: as `facets`, only looked at for areas; NULL and 0 without. `options`: NULL for the defaults.
+/// the master. `slave_facets`: as `facets`, for `areas` of `options`, and DC_BAD_OPTION where these are 0; NULL and 0 without. `options`: NULL
+/// for the defaults, which have no areas.
 ///
 /// There is no pairing yet: call dc_refresh. On failure the handle is NULL.
 ///
@@ -147,15 +148,16 @@ fn create(
     let nodes = slaves_of(slaves)?;
     let slave_facets = facets_of(slave_facets)?;
     let hint = Hint::new(options.cutback_penetration, nodes.len())?;
-    let options = options.interface()?;
+    let options = options.interface_beside(&slave_facets)?;
     let master = MasterSurface::new(positions, facets_of(master)?)?;
     let interface = ContactInterface::new(master, nodes, &slave_facets, positions, options)?;
     Ok(State::new(interface, positions.len(), hint))
 }
 
 /// Makes an interface of a surface in contact with itself: each of its nodes is a slave, and `facets` are all that it may touch. The surface
-/// may be the skins of several bodies. Give the law half of the penalty between two surfaces: both sides push. With `areas` of `options` they
-/// are those of `facets`. All else is as with dc_create; dc_window_create is DC_BAD_OPTION.
+/// may be the skins of several bodies. Slaves are in ascending order. Give the law half of the penalty between two surfaces: both sides push.
+/// With `areas` of `options` they are those of `facets`; there are none by default, other than in Python. All else is as with dc_create;
+/// dc_window_create is DC_BAD_OPTION.
 ///
 /// # Safety
 /// As dc_create.
@@ -217,11 +219,28 @@ pub unsafe extern "C" fn dc_counts(
     })
 }
 
+/// The slave nodes, in the order of results and multipliers: that of dc_create, ascending for a surface in contact with itself.
+///
+/// # Safety
+/// `slaves` has `slave_count` entries.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn dc_slaves(
+    interface: *mut dc_interface,
+    slaves: *mut i32,
+    slave_count: usize,
+) -> dc_status {
+    call(interface, |state| {
+        // SAFETY: as the caller promises.
+        unsafe { mesh::write_slaves(state.interface.slaves(), slaves, slave_count) }
+    })
+}
+
 /// Makes these planes of symmetry, `plane_count` of them with 6 numbers each: x, y, z of a point of the plane, then of its unit normal
 /// to the side of the model. The master surface goes on beyond them as its mirror image, so that masters near a plane have
 /// neighbours on both sides, and where it ends in a plane is no border. Default: none; NULL and 0 take all away.
 ///
-/// Call it before the first dc_refresh: no slave is paired afterwards. Planes lie still. They need DC_DOMAINS or DC_NODE_TO_FACET, else
+/// Call it before the first dc_refresh: no slave is paired afterwards. The history of friction ends, unless the planes are the same: call
+/// dc_set_history after it. Planes lie still. They need DC_DOMAINS or DC_NODE_TO_FACET, else
 /// DC_BAD_OPTION. DC_BAD_SURFACE for a normal that is no unit vector, and for planes that are neither
 /// parallel nor at 180 degrees over a whole number.
 ///

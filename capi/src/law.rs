@@ -14,7 +14,8 @@ use crate::choice::{self, Named, dc_coefficient};
 use crate::status::{DC_BAD_OPTION, DC_BAD_SIZE, Failure};
 
 /// A normal law of the caller's own. `pressure` has room for two numbers: p, force per area, or over nodes without areas force, and
-/// dp/dg, at the signed gap of a slave. A contact whose p is not positive is open.
+/// dp/dg, at the signed gap of a slave. `slave` is its place among the slaves, counted from 0, and not its node: see dc_slaves and
+/// dc_faces_slaves. A contact whose p is not positive is open.
 ///
 /// It is called from several threads at once, within any call that takes the law, and has to answer the same each time. It must return:
 /// no exception and no longjmp. What is no number is refused as that of a law.
@@ -44,9 +45,9 @@ pub struct dc_law {
     pub size: usize,
     /// Force per length, or per length^3 where contacts carry areas; positive.
     pub penalty: f64,
-    /// lambda of each slave, at least 0: the forces of the augmented Lagrangian. NULL, or none of them, for the penalty method.
+    /// lambda of each slave, at least 0: the forces of the augmented Lagrangian. NULL for the penalty method.
     pub multipliers: *const f64,
-    /// Number of multipliers: of slaves, 1 for a single element, or 0.
+    /// Number of multipliers: of slaves, or 1 for a single element; 0 with NULL.
     pub multiplier_count: usize,
     /// dc_tangent; 0 is DC_EXACT.
     pub tangent: i32,
@@ -67,8 +68,8 @@ pub struct dc_law {
     /// A normal law by table, in the place of the penalty's: ascending gaps, at least two, ...
     pub normal_gaps: *const f64,
     /// ... and the pressure at each, force per area, or over nodes without areas force: linear between them and beyond them. Contacts whose
-    /// pressure is not positive are open. NULL and 0 for the penalty's law. There are no multipliers then, and the penalty only
-    /// estimates where contacts that close have touched: about the stiffness of the table in contact.
+    /// pressure is not positive are open. NULL and 0 for the penalty's law; an array whose count is 0 is DC_BAD_SIZE. There are no
+    /// multipliers then, and the penalty only estimates where contacts that close have touched: about the stiffness of the table in contact.
     pub normal_pressures: *const f64,
     /// Number of gaps, and of pressures.
     pub normal_count: usize,
@@ -182,6 +183,28 @@ impl dc_law {
         Ok(law)
     }
 
+    /// Refuses tables whose count was forgotten: the law would be another one.
+    fn check_counts(&self) -> Result<(), Failure> {
+        let Self { normal_count, friction_pressure_count, friction_rate_count, .. } = *self;
+        for (name, array, count_name, count) in [
+            ("normal_gaps", self.normal_gaps, "normal_count", normal_count),
+            ("normal_pressures", self.normal_pressures, "normal_count", normal_count),
+            (
+                "friction_pressures",
+                self.friction_pressures,
+                "friction_pressure_count",
+                friction_pressure_count,
+            ),
+            ("friction_rates", self.friction_rates, "friction_rate_count", friction_rate_count),
+        ] {
+            if !array.is_null() && count == 0 {
+                let message = format!("bad-size: there is an array {name}, but {count_name} is 0");
+                return Err(Failure::new(DC_BAD_SIZE, message));
+            }
+        }
+        Ok(())
+    }
+
     /// Number of coefficients in the table.
     fn table_count(&self) -> Result<usize, Failure> {
         let Self { friction_pressure_count: pressures, friction_rate_count: rates, .. } = *self;
@@ -249,6 +272,7 @@ pub struct Law<'a> {
 pub unsafe fn read<'a>(law: *const dc_law) -> Result<Law<'a>, Failure> {
     // SAFETY: as the caller promises.
     let given = unsafe { dc_law::copy(law)? };
+    given.check_counts()?;
     // SAFETY: as the caller promises.
     let (multipliers, gaps, pressures) = unsafe {
         (
@@ -268,7 +292,8 @@ pub unsafe fn read<'a>(law: *const dc_law) -> Result<Law<'a>, Failure> {
         None => Some(Box::new(TabulatedPressure::new(gaps, pressures)?)),
     };
     Ok(Law {
-        multipliers: Some(multipliers).filter(|own| !own.is_empty()),
+        // Where a count was forgotten it is not that of the slaves, and told so.
+        multipliers: Some(multipliers).filter(|_| !given.multipliers.is_null()),
         tangent: choice::read(given.tangent)?,
         normal,
         // SAFETY: as the caller promises.

@@ -4,7 +4,7 @@ use runtime::Point;
 use runtime::assembly::DofMap;
 use runtime::surface::{Facet, SymmetryPlane};
 
-use crate::border::{disjoint, input, reserve, wanted};
+use crate::border::{disjoint, input, reserve, target, wanted};
 use crate::status::{DC_BAD_POINTER, DC_BAD_SIZE, DC_OUT_OF_RANGE, DC_TOO_LARGE, Failure};
 
 /// Slave nodes.
@@ -28,6 +28,18 @@ pub fn expect_slaves(slaves: &[usize], found: usize) -> Result<(), Failure> {
         return Ok(());
     }
     Err(Failure::new(DC_BAD_SIZE, format!("bad-size: {found} entries for {expected} slaves")))
+}
+
+/// Writes the nodes of slaves.
+///
+/// # Safety
+/// `into` has `count` entries.
+pub unsafe fn write_slaves(slaves: &[usize], into: *mut i32, count: usize) -> Result<(), Failure> {
+    expect_slaves(slaves, count)?;
+    let into = target("slaves", into, count)?;
+    // SAFETY: as the caller promises.
+    unsafe { into.write(slaves.iter().map(|&node| node as i32)) };
+    Ok(())
 }
 
 /// Writes numbers of nodes and of slaves.

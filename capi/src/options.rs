@@ -4,11 +4,12 @@ use std::mem::offset_of;
 
 use runtime::interface::{ContactElement, InterfaceOptions};
 use runtime::neighbourhood::{NeighbourRule, SearchOptions};
+use runtime::surface::Facet;
 
 use crate::border::{self, Versioned, read_sized, reserved, sized_target};
 use crate::choice::{self, Named, dc_element_kind, dc_frame, dc_rule};
 use crate::cutback::DEFAULT_LIMIT;
-use crate::status::{Failure, dc_status};
+use crate::status::{DC_BAD_OPTION, Failure, dc_status};
 
 /// How an interface pairs and evaluates. Set `size`, call dc_options_default, change what is to be different:
 ///
@@ -45,7 +46,7 @@ pub struct dc_options {
     pub basis: i32,
     /// Whether the linear basis may stand in for the quadratic one: 0 or 1. Default: 1.
     pub linear_fallback: i32,
-    /// Whether contacts carry tributary areas, so that the penalty is one per area: 0 or 1. Default: 0.
+    /// Whether contacts carry tributary areas, so that the penalty is one per area: 0 or 1. They need slave facets. Default: 0.
     pub areas: i32,
     /// 0.
     pub reserved: i32,
@@ -164,6 +165,17 @@ impl dc_options {
             .with_border_tolerance(self.border_tolerance)
             .with_distance_limit(Some(self.distance_limit).filter(|&limit| limit != 0.0))
             .with_areas(choice::flag("areas", self.areas)?))
+    }
+
+    /// The same, of an interface with these facets of the slave. Only areas need them: without, a penalty per area would be one per node.
+    pub fn interface_beside(&self, slave_facets: &[Facet]) -> Result<InterfaceOptions, Failure> {
+        let options = self.interface()?;
+        if options.areas || slave_facets.is_empty() {
+            return Ok(options);
+        }
+        let message =
+            "invalid-option: there are slave_facets, which only areas need: set areas of dc_options to 1";
+        Err(Failure::new(DC_BAD_OPTION, message))
     }
 }
 

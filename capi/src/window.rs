@@ -179,6 +179,9 @@ pub unsafe extern "C" fn dc_window_from_numbers(
 /// of dc_window_names, where they were when it was made; slaves come after them. Planes of symmetry come with the window. Weight, basis and
 /// feature angle have to be those that it was made with, else DC_BAD_OPTION.
 ///
+/// With `areas` of `options` slaves and all other nodes of `slave_facets` have to be in their first positions here, also in a later
+/// increment: areas are those at these positions. `slave_facets` are all facets at the slaves, in the order of the whole.
+///
 /// Results are those of an interface with the whole surface, bit for bit, or the outcome DC_BEYOND_WINDOW. dc_set_symmetry is refused.
 ///
 /// # Safety
@@ -209,7 +212,8 @@ pub unsafe extern "C" fn dc_create_in_window(
             check_nodes(positions.len())?;
             let slaves = slaves_of(slaves)?;
             let hint = Hint::new(options.cutback_penetration, slaves.len())?;
-            let (facets, options) = (facets_of(facets)?, options.interface()?);
+            let facets = facets_of(facets)?;
+            let options = options.interface_beside(&facets)?;
             let contact = WINDOWS.with(window.addr(), |window| {
                 Ok(threads::run(|| {
                     ContactInterface::in_window(window, slaves, &facets, positions, options)

@@ -1,6 +1,6 @@
 //! Residual and tangent of an interface.
 
-use diffuse_contact::assembly::{AssemblyError, Triangle, Triplets, add_forces};
+use diffuse_contact::assembly::{AssemblyError, Triangle, Triplets, add_forces, slave_friction};
 use diffuse_contact::interface::ContactRef;
 use numpy::PyArray1;
 use pyo3::prelude::*;
@@ -77,5 +77,24 @@ impl Interface {
         let forces =
             threads::run(py, || contacts.iter().enumerate().map(force).collect::<Result<Vec<f64>, _>>())?;
         Ok(PyArray1::from_vec(py, forces.map_err(|error| error.raise(py))?))
+    }
+
+    /// Traction, state and slip of every slave.
+    #[allow(clippy::type_complexity)]
+    fn friction<'py>(
+        slf: &Bound<'py, Self>,
+        law: Law<'py>,
+    ) -> PyResult<(Bound<'py, PyArray1<f64>>, Vec<&'static str>, Bound<'py, PyArray1<f64>>)> {
+        let py = slf.py();
+        let this = shared(slf)?;
+        let own = law.own(py)?;
+        let law = own.law(py)?;
+        let contacts = this.contacts(py)?;
+        let found = threads::run(py, || slave_friction(contacts, &law))?.map_err(|error| error.raise(py))?;
+        Ok((
+            PyArray1::from_vec(py, found.iter().flat_map(|slave| slave.traction).collect()),
+            found.iter().map(|slave| slave.state.name()).collect(),
+            PyArray1::from_iter(py, found.iter().map(|slave| slave.slip)),
+        ))
     }
 }

@@ -267,6 +267,18 @@ impl Faces {
         threads::run(py, || contacts.add_forces(dofs, forces))?.map_err(|error| error.raise(py))
     }
 
+    /// Nodes that couple: offsets of the cliques, and their nodes.
+    fn cliques<'py>(slf: &Bound<'py, Self>) -> PyResult<(Indices<'py>, Indices<'py>)> {
+        let py = slf.py();
+        let this = shared(slf)?;
+        let (mut offsets, mut nodes) = (vec![0], Vec::new());
+        for clique in this.interface.cliques() {
+            nodes.extend(clique.iter().map(|&node| i64::from(node)));
+            offsets.push(nodes.len() as i64);
+        }
+        Ok((PyArray1::from_vec(py, offsets), PyArray1::from_vec(py, nodes)))
+    }
+
     /// Points of loaded faces that carry no force.
     fn missed(slf: &Bound<'_, Self>) -> PyResult<usize> {
         let this = shared(slf)?;

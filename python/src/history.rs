@@ -15,9 +15,9 @@ macro_rules! has_history {
     ($class:ty) => {
         #[pymethods]
         impl $class {
-            /// Accepts the present positions as the end of an increment: slaves that stick, that slide, and that carry
-            /// force without a history, and the work of friction.
-            fn accept(slf: &Bound<'_, Self>, law: Law<'_>) -> PyResult<(usize, usize, usize, f64)> {
+            /// Accepts the present positions as the end of an increment: slaves that stick, that slide, that carry force
+            /// without a history, and that have lost their contact, and the work of friction.
+            fn accept(slf: &Bound<'_, Self>, law: Law<'_>) -> PyResult<(usize, usize, usize, usize, f64)> {
                 let py = slf.py();
                 let mut this = exclusive(slf)?;
                 let own = law.own(py)?;
@@ -25,7 +25,7 @@ macro_rules! has_history {
                 let interface = &mut this.interface;
                 let report = threads::run(py, || interface.accept(&law))?.map_err(|error| error.raise(py))?;
                 this.current &= law.friction.is_none();
-                Ok((report.stuck, report.sliding, report.unanchored, report.dissipated))
+                Ok((report.stuck, report.sliding, report.unanchored, report.dropped, report.dissipated))
             }
 
             /// A round of Uzawa's iteration for friction. `moves`: which slaves take part, or all.

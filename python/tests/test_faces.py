@@ -1,6 +1,7 @@
 """Contact integrated over faces: patch test, balance, tangent, refusals."""
 
 import copy
+import itertools
 
 import numpy as np
 import pytest
@@ -358,3 +359,27 @@ def test_a_surface_touches_itself():
     below = master.max() + 1
     assert abs(forces[:below, 2].sum()) > 1.0
     assert np.allclose(forces.sum(axis=0), 0.0, atol=1e-12)
+
+
+def test_cliques_hold_all_that_the_tangent_couples():
+    positions, master, slave = bumps()
+    faces = dc.FaceInterface(dc.MasterSurface(positions, master), slave, positions)
+    assert [len(array) for array in faces.cliques()] == [1, 0]
+    faces.refresh(positions)
+    offsets, nodes = faces.cliques()
+    couples = np.zeros((len(positions), len(positions)), dtype=bool)
+    for start, end in itertools.pairwise(offsets):
+        clique = nodes[start:end]
+        assert np.all(np.diff(clique) > 0)
+        couples[np.ix_(clique, clique)] = True
+    faces.evaluate(PENALTY)
+    rows, columns = faces.tangent().nonzero()
+    assert len(rows) > 1000 and couples[rows // 3, columns // 3].all()
+
+
+def test_a_rank_may_have_no_faces():
+    positions, master, _ = bumps()
+    faces = dc.FaceInterface(dc.MasterSurface(positions, master), np.empty((0, 4), dtype=int), positions)
+    assert faces.refresh(positions).points == len(faces.slaves) == 0
+    assert len(faces.evaluate(PENALTY).gap) == len(faces.points.face) == 0
+    assert not faces.forces().any() and faces.tangent().nnz == 0

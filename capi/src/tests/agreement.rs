@@ -11,7 +11,7 @@ use crate::assembly::{dc_add_forces, dc_triplets};
 use crate::batch::dc_gap_batch;
 use crate::contacts::{dc_contact, dc_contact_of, dc_derivatives, dc_forces};
 use crate::element::{dc_element, dc_gap, dc_point};
-use crate::interface::{dc_destroy, dc_evaluate, dc_refresh};
+use crate::interface::{dc_destroy, dc_evaluate, dc_refresh, dc_slaves};
 use crate::law::{dc_adaptive_tangent, dc_law};
 use crate::neighbours::{dc_pair, dc_pairing};
 use crate::status::{DC_BAD_SIZE, DC_NO_CONTACT, DC_OK};
@@ -44,6 +44,9 @@ fn an_interface_gives_what_the_runtime_gives() {
     unsafe {
         assert_eq!(dc_refresh(handle, mesh.positions.as_ptr(), 40, null_mut()), DC_OK);
         assert_eq!(dc_evaluate(handle, 2), DC_OK);
+        let mut slaves = [-1; 4];
+        assert_eq!(dc_slaves(handle, slaves.as_mut_ptr(), 4), DC_OK);
+        assert_eq!(slaves, mesh.slaves[..]);
         for (k, contact) in expected.iter().enumerate() {
             let mut found = dc_contact::default();
             assert_eq!(dc_contact_of(handle, k, &mut found), DC_OK);

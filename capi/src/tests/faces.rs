@@ -1,5 +1,6 @@
 //! Contact over faces: the numbers of the runtime bit for bit, and calls that are refused.
 
+use std::collections::HashSet;
 use std::ptr::{null, null_mut};
 
 use runtime::Mode;
@@ -17,7 +18,7 @@ use crate::faces::*;
 use crate::faces_assembly::*;
 use crate::faces_friction::*;
 use crate::faces_points::dc_faces_points;
-use crate::interface::{dc_create_self_contact, dc_destroy, dc_evaluate, dc_refresh};
+use crate::interface::{dc_create_self_contact, dc_destroy, dc_evaluate, dc_refresh, dc_slaves};
 use crate::law::dc_law;
 use crate::options::dc_options;
 use crate::status::{
@@ -104,6 +105,34 @@ impl Pair {
     }
 }
 
+/// Pairs of nodes that couple, by cliques, which are those of the runtime.
+fn coupled(handle: *mut dc_faces, expected: &[Vec<u32>]) -> HashSet<(usize, usize)> {
+    let (mut cliques, mut entries) = (0, 0);
+    // SAFETY: the arrays have the lengths given.
+    unsafe {
+        let count = dc_faces_cliques(handle, null_mut(), 0, null_mut(), 0, &mut cliques, &mut entries);
+        assert_eq!((count, cliques), (DC_OK, expected.len()), "{}", message());
+        let (mut offsets, mut nodes) = (vec![-1; cliques + 1], vec![-1; entries]);
+        let (places, list) = (offsets.as_mut_ptr(), nodes.as_mut_ptr());
+        let read = |offsets: usize, nodes: usize| {
+            dc_faces_cliques(handle, places, offsets, list, nodes, null_mut(), null_mut())
+        };
+        assert_eq!([read(cliques, entries), read(cliques + 1, entries - 1)], [DC_BAD_SIZE; 2]);
+        assert_eq!(read(cliques + 1, entries), DC_OK, "{}", message());
+        let same = dc_faces_cliques(handle, list, entries, list, entries, null_mut(), null_mut());
+        assert_eq!(same, DC_BAD_POINTER);
+        assert_eq!((offsets[0], offsets[cliques] as usize), (0, entries));
+        let mut couples = HashSet::new();
+        for (ends, expected) in offsets.windows(2).zip(expected) {
+            let clique = &nodes[ends[0] as usize..ends[1] as usize];
+            assert!(clique.iter().map(|&node| node as u32).eq(expected.iter().copied()));
+            let pairs = clique.iter().flat_map(|&a| clique.iter().map(move |&b| (a as usize, b as usize)));
+            couples.extend(pairs);
+        }
+        couples
+    }
+}
+
 pub(super) fn flat(faces: &[i32]) -> Vec<i32> {
     let mut facets = vec![7; faces.len() / 9 * 16];
     // SAFETY: the arrays have the lengths given.
@@ -152,6 +181,7 @@ fn faces_give_what_the_runtime_gives() {
     let own_law = ContactLaw::penalty(300.0).with_multipliers(Some(&multipliers));
     expected.evaluate(&own_law, Mode::Hessian).unwrap();
     let own_points = expected.integration_points().unwrap();
+    let own_cliques: Vec<Vec<u32>> = expected.cliques().map(<[u32]>::to_vec).collect();
     let expected = expected.contacts();
     // SAFETY: the arrays have the lengths given.
     unsafe {
@@ -196,6 +226,7 @@ fn faces_give_what_the_runtime_gives() {
         assert_eq!(active, expected.add_forces(&dofs, &mut sum).unwrap());
         assert_eq!(residual, sum);
 
+        let couples = coupled(handle, &own_cliques);
         for (tangent, own) in [(0, Tangent::Exact), (1, Tangent::GaussNewton)] {
             let triplets = expected.triplets(own, &dofs).unwrap();
             let mut count = 0;
@@ -216,6 +247,9 @@ fn faces_give_what_the_runtime_gives() {
             assert_eq!(values, triplets.values());
             assert!(rows.iter().zip(triplets.rows()).all(|(found, row)| *found as usize == *row));
             assert!(columns.iter().zip(triplets.columns()).all(|(found, column)| *found as usize == *column));
+            // A pattern of all that couples has room for them.
+            let pair = |(row, column): (&i32, &i32)| (*row as usize / 3, *column as usize / 3);
+            assert!(rows.iter().zip(&columns).all(|entry| couples.contains(&pair(entry))));
             let v: Vec<f64> = (0..size).map(|k| (k as f64).sin()).collect();
             let (mut product, mut sums) = (vec![0.5; size], vec![0.5; size]);
             let status = dc_faces_product(handle, tangent, v.as_ptr(), product.as_mut_ptr(), size);
@@ -239,6 +273,9 @@ fn faces_refuse_what_is_none() {
     unsafe {
         let none = |status: dc_status| assert_eq!(status, DC_NOT_EVALUATED, "{}", message());
         none(dc_faces_add_forces(handle, residual.as_mut_ptr(), size, null_mut(), null_mut()));
+        let (mut offset, mut cliques, mut entries) = (9, 9, 9);
+        let found = dc_faces_cliques(handle, &mut offset, 1, null_mut(), 0, &mut cliques, &mut entries);
+        assert_eq!((found, offset, cliques, entries), (DC_OK, 0, 0, 0));
         assert_eq!(dc_faces_refresh(handle, pair.positions.as_ptr(), 5, null_mut()), DC_BAD_SIZE);
         assert_eq!(dc_faces_refresh(handle, pair.positions.as_ptr(), pair.nodes(), null_mut()), DC_OK);
         assert_eq!(dc_faces_evaluate(handle, null(), 2), DC_BAD_POINTER);
@@ -249,7 +286,8 @@ fn faces_refuse_what_is_none() {
         let with_friction = dc_law { friction: 0.3, ..law(&[]) };
         assert_eq!(dc_faces_evaluate(handle, &with_friction, 2), DC_NOT_EVALUATED, "{}", message());
         assert!(message().starts_with("no-slip: "), "{}", message());
-        let accept = |law| dc_faces_accept(handle, law, null_mut(), null_mut(), null_mut(), null_mut());
+        let accept =
+            |law| dc_faces_accept(handle, law, null_mut(), null_mut(), null_mut(), null_mut(), null_mut());
         assert_eq!(accept(null()), DC_BAD_POINTER);
         assert_eq!(accept(&dc_law { friction: -0.3, ..law(&[]) }), DC_BAD_OPTION);
         assert_eq!(accept(&dc_law { shear_limit: -1.0, ..with_friction }), DC_BAD_OPTION);
@@ -345,7 +383,10 @@ fn faces_have_friction() {
     unsafe {
         assert_eq!(dc_faces_history(handle, null_mut(), 0, &mut count), DC_OK);
         assert_eq!(count, 0);
-        assert_eq!(dc_faces_accept(handle, &law, null_mut(), null_mut(), null_mut(), null_mut()), DC_OK);
+        assert_eq!(
+            dc_faces_accept(handle, &law, null_mut(), null_mut(), null_mut(), null_mut(), null_mut()),
+            DC_OK
+        );
         refresh(handle, &moved);
         forces(handle);
         let (mut states, mut tractions, mut slips) = (vec![9; 25], vec![9.0; 75], vec![9.0; 25]);
@@ -357,11 +398,19 @@ fn faces_have_friction() {
             assert_eq!(tractions[3 * k..3 * k + 3], node.friction);
         }
         assert!(states.contains(&1) && states.contains(&2), "{states:?}");
-        let (mut stuck, mut sliding, mut unanchored, mut dissipated) = (9, 9, 9, 0.0);
-        let status =
-            dc_faces_accept(handle, &law, &mut stuck, &mut sliding, &mut unanchored, &mut dissipated);
+        let (mut stuck, mut sliding, mut unanchored, mut dropped, mut dissipated) = (9, 9, 9, 9, 0.0);
+        let status = dc_faces_accept(
+            handle,
+            &law,
+            &mut stuck,
+            &mut sliding,
+            &mut unanchored,
+            &mut dropped,
+            &mut dissipated,
+        );
         assert_eq!(status, DC_OK);
-        assert_eq!((stuck, sliding, unanchored), (report.stuck, report.sliding, report.unanchored));
+        assert_eq!((stuck, sliding), (report.stuck, report.sliding));
+        assert_eq!((unanchored, dropped), (report.unanchored, report.dropped));
         assert_eq!(dissipated, report.dissipated);
         assert!(dissipated > 0.0);
         assert_eq!(dc_faces_add_forces(handle, [].as_mut_ptr(), 0, null_mut(), null_mut()), DC_NOT_EVALUATED);
@@ -433,6 +482,11 @@ fn nodes_of_a_surface_touch_it() {
         );
         let status = dc_create_self_contact(start, nodes, list, count, &options, &mut handle);
         assert_eq!(status, DC_OK, "{}", message());
+        let mut slaves = vec![-1; nodes];
+        assert_eq!(dc_slaves(handle, slaves.as_mut_ptr(), nodes), DC_OK);
+        assert!(slaves.iter().enumerate().all(|(k, &node)| node as usize == k), "each node, ascending");
+        assert_eq!(dc_slaves(handle, slaves.as_mut_ptr(), nodes - 1), DC_BAD_SIZE);
+        assert_eq!(dc_slaves(handle, null_mut(), nodes), DC_BAD_POINTER);
         assert_eq!(dc_refresh(handle, moved, nodes, null_mut()), DC_OK);
         assert_eq!(dc_evaluate(handle, 1), DC_OK, "{}", message());
         let status = dc_add_forces(handle, &law(&[]), forces.as_mut_ptr(), size, null_mut());
@@ -463,11 +517,13 @@ fn a_surface_touches_itself() {
     unsafe {
         let (nodes, count) = (pair.nodes(), facets.len() / 4);
         let (start, moved) = (apart.as_flattened().as_ptr(), pair.positions.as_ptr());
-        let create = |slaves: usize, handle: &mut *mut dc_faces| {
-            dc_faces_create(start, nodes, facets.as_ptr(), count, null(), slaves, null(), 2, handle)
+        let create = |facets: *const i32, degree: i32, handle: &mut *mut dc_faces| {
+            dc_faces_create_self_contact(start, nodes, facets, count, null(), degree, handle)
         };
-        assert_eq!(create(1, &mut handle), DC_BAD_POINTER);
-        assert_eq!(create(0, &mut handle), DC_OK, "{}", message());
+        assert_eq!(create(null(), 2, &mut handle), DC_BAD_POINTER);
+        assert_eq!(create(facets.as_ptr(), 3, &mut handle), DC_BAD_OPTION);
+        assert!(handle.is_null());
+        assert_eq!(create(facets.as_ptr(), 2, &mut handle), DC_OK, "{}", message());
         let mut slaves = 0;
         assert_eq!(dc_faces_counts(handle, null_mut(), &mut slaves), DC_OK);
         assert_eq!(slaves, nodes);
@@ -478,5 +534,35 @@ fn a_surface_touches_itself() {
     }
     assert_eq!(residual, sum);
     assert_sides(&residual);
+    assert_eq!(dc_faces_destroy(handle), DC_OK);
+}
+
+/// Of a rank that has none.
+#[test]
+fn without_slave_facets_there_are_no_faces() {
+    let pair = Pair::new();
+    let (facets, positions) = (flat(&pair.master), pair.positions.as_ptr());
+    let (nodes, count, size) = (pair.nodes(), facets.len() / 4, pair.positions.len());
+    let (mut handle, mut slaves, mut points, mut active) = (null_mut(), 9, 9, 9);
+    let mut residual = vec![0.0; size];
+    let [no, none] = [(); 2].map(|()| null_mut());
+    // SAFETY: the arrays have the lengths given.
+    unsafe {
+        let create = |slaves: usize, handle: &mut *mut dc_faces| {
+            dc_faces_create(positions, nodes, facets.as_ptr(), count, null(), slaves, null(), 2, handle)
+        };
+        assert_eq!(create(1, &mut handle), DC_BAD_POINTER);
+        assert_eq!(create(0, &mut handle), DC_OK, "{}", message());
+        assert_eq!(dc_faces_counts(handle, null_mut(), &mut slaves), DC_OK);
+        assert_eq!(dc_faces_slaves(handle, null_mut(), 0), DC_OK);
+        assert_eq!(dc_faces_refresh(handle, positions, nodes, null_mut()), DC_OK, "{}", message());
+        assert_eq!(dc_faces_evaluate(handle, &law(&[]), 2), DC_OK, "{}", message());
+        let status = dc_faces_add_forces(handle, residual.as_mut_ptr(), size, &mut active, null_mut());
+        assert_eq!(status, DC_OK);
+        let asked = dc_faces_points(handle, null_mut(), no, no, no, no, none, none, 0, &mut points);
+        assert_eq!(asked, DC_OK);
+    }
+    assert_eq!((slaves, points, active), (0, 0, 0));
+    assert!(residual.iter().all(|&force| force == 0.0));
     assert_eq!(dc_faces_destroy(handle), DC_OK);
 }

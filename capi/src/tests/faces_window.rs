@@ -91,7 +91,8 @@ fn nodes(faces: *mut dc_faces, positions: &[f64], first: usize) -> Vec<(i32, Nod
         let number = positions.len() / 3;
         assert_eq!(dc_faces_slaves(faces, slaves.as_mut_ptr(), count), DC_OK);
         assert_eq!(dc_faces_refresh(faces, positions.as_ptr(), number, null_mut()), DC_OK, "{}", message());
-        let accepted = dc_faces_accept(faces, &rubbing(), null_mut(), null_mut(), null_mut(), null_mut());
+        let accepted =
+            dc_faces_accept(faces, &rubbing(), null_mut(), null_mut(), null_mut(), null_mut(), null_mut());
         assert_eq!(accepted, DC_OK, "{}", message());
         assert_eq!(dc_faces_refresh(faces, slid.as_ptr(), number, null_mut()), DC_OK, "{}", message());
         assert_eq!(dc_faces_evaluate(faces, &rubbing(), 0), DC_OK, "{}", message());

@@ -10,13 +10,13 @@ use runtime::interface::InterfaceOptions;
 use super::misuse::LAW;
 use super::{Mesh, message, options};
 use crate::assembly::{dc_add_forces, dc_triplets};
-use crate::friction::{dc_accept, dc_history, dc_set_history};
-use crate::interface::{dc_destroy, dc_evaluate, dc_interface, dc_refresh};
+use crate::friction::{dc_accept, dc_friction, dc_history, dc_set_history};
+use crate::interface::{dc_destroy, dc_evaluate, dc_interface, dc_refresh, dc_set_symmetry};
 use crate::law::dc_law;
 use crate::map::{dc_map_add, dc_map_create, dc_map_destroy};
 use crate::options::dc_options;
 use crate::pattern::{dc_pattern_create, dc_pattern_destroy, dc_pattern_structure};
-use crate::status::{DC_BAD_OPTION, DC_BAD_SIZE, DC_NOT_EVALUATED, DC_OK};
+use crate::status::{DC_BAD_OPTION, DC_BAD_POINTER, DC_BAD_SIZE, DC_NOT_EVALUATED, DC_OK};
 
 const FRICTION: dc_law = dc_law { friction: 0.2, tangential_stiffness: 500.0, ..LAW };
 
@@ -27,7 +27,7 @@ fn refresh(mesh: &Mesh, handle: *mut dc_interface) {
 
 fn accept(handle: *mut dc_interface, law: &dc_law) -> crate::status::dc_status {
     // SAFETY: a whole structure.
-    unsafe { dc_accept(handle, law, null_mut(), null_mut(), null_mut(), null_mut()) }
+    unsafe { dc_accept(handle, law, null_mut(), null_mut(), null_mut(), null_mut(), null_mut()) }
 }
 
 fn residual(handle: *mut dc_interface, law: &dc_law) -> Vec<f64> {
@@ -50,6 +50,32 @@ fn slid(mesh: &Mesh, step: f64) -> Mesh {
         mesh.positions[3 * *slave as usize] += step;
     }
     mesh
+}
+
+/// What friction does at the slaves is what it adds to the forces on them, which slid by 0.05.
+fn assert_friction(handle: *mut dc_interface, with: &[f64], without: &[f64]) {
+    let (mut states, mut tractions, mut slips) = ([-1; 4], [9.0; 12], [9.0; 4]);
+    let (of_states, of_slips) = (states.as_mut_ptr(), slips.as_mut_ptr());
+    let read = |law: &dc_law, tractions: *mut f64, count: usize| {
+        // SAFETY: the arrays have the lengths given.
+        unsafe { dc_friction(handle, law, of_states, tractions, of_slips, count) }
+    };
+    assert_eq!(read(&FRICTION, tractions.as_mut_ptr(), 3), DC_BAD_SIZE);
+    assert_eq!(read(&FRICTION, of_slips, 4), DC_BAD_POINTER);
+    assert_eq!((states, slips), ([-1; 4], [9.0; 4]));
+    assert_eq!(read(&FRICTION, tractions.as_mut_ptr(), 4), DC_OK, "{}", message());
+    for (k, traction) in tractions.iter().enumerate() {
+        let expected = with[3 * 36 + k] - without[3 * 36 + k];
+        assert!((traction - expected).abs() < 1e-12 * with[3 * 36 + 2].abs(), "{k}: {traction} {expected}");
+    }
+    assert_eq!(states, [2; 4], "all slide");
+    assert!(slips.iter().all(|slip| (slip - 0.05).abs() < 2e-3), "{slips:?}");
+    assert_eq!(read(&LAW, tractions.as_mut_ptr(), 4), DC_OK, "{}", message());
+    assert_eq!((states, tractions, slips), ([0; 4], [0.0; 12], [0.0; 4]));
+    // Values have no gradient of the slip.
+    assert_eq!(dc_evaluate(handle, 0), DC_OK);
+    assert_eq!(read(&FRICTION, null_mut(), 4), DC_NOT_EVALUATED, "{}", message());
+    assert_eq!(dc_evaluate(handle, 2), DC_OK);
 }
 
 /// On facets in every build.
@@ -86,12 +112,13 @@ fn a_history_outlives_the_handle(options: &dc_options) {
         let status = dc_triplets(handle, &FRICTION, 1, null_mut(), null_mut(), null_mut(), 0, &mut count);
         assert_eq!(status, DC_BAD_OPTION, "{}", message());
         assert!(message().starts_with("unsymmetric: "), "{}", message());
+        assert_friction(handle, &with, &without);
         let (mut stuck, mut sliding, mut dissipated) = (9, 9, 0.0);
-        let mut unanchored = 9;
-        let counts: [*mut usize; 3] = [&mut stuck, &mut sliding, &mut unanchored];
-        let [a, b, c] = counts;
-        assert_eq!(dc_accept(handle, &FRICTION, a, b, c, &mut dissipated), DC_OK);
-        assert_eq!((stuck, sliding, unanchored), (0, 4, 0));
+        let (mut unanchored, mut dropped) = (9, 9);
+        let counts: [*mut usize; 4] = [&mut stuck, &mut sliding, &mut unanchored, &mut dropped];
+        let [a, b, c, d] = counts;
+        assert_eq!(dc_accept(handle, &FRICTION, a, b, c, d, &mut dissipated), DC_OK);
+        assert_eq!((stuck, sliding, unanchored, dropped), (0, 4, 0, 0));
         assert!(dissipated > 0.0);
         assert_eq!(dc_history(handle, null_mut(), 0, &mut count), DC_OK);
         let (mut small, mut needed) = ([0.0], 0);
@@ -101,14 +128,41 @@ fn a_history_outlives_the_handle(options: &dc_options) {
     let mut history = vec![0.0; count];
     // SAFETY: the array has the length given.
     assert_eq!(unsafe { dc_history(handle, history.as_mut_ptr(), count, &mut count) }, DC_OK);
+    let kept = |handle| {
+        let (mut again, mut found) = (vec![0.0; count], 0);
+        // SAFETY: the array has the length given.
+        let status = unsafe { dc_history(handle, again.as_mut_ptr(), count, &mut found) };
+        assert_eq!(status, DC_OK);
+        again.truncate(found);
+        again
+    };
+    // Planes that are the same.
+    // SAFETY: there are none.
+    assert_eq!(unsafe { dc_set_symmetry(handle, std::ptr::null(), 0) }, DC_OK);
+    assert_eq!(kept(handle), history);
     let further = slid(&mesh, 0.06);
     refresh(&further, handle);
     let expected = residual(handle, &FRICTION);
+    // Away from the surface, with forces until now.
+    refresh(&slid(&mesh, 50.0), handle);
+    let mut dropped = 9;
+    // SAFETY: a whole structure.
+    let status =
+        unsafe { dc_accept(handle, &FRICTION, null_mut(), null_mut(), null_mut(), &mut dropped, null_mut()) };
+    assert_eq!((status, dropped), (DC_OK, 4));
     assert_eq!(dc_destroy(handle), DC_OK);
 
     let handle = interface();
     // SAFETY: the array has the length given.
     assert_eq!(unsafe { dc_set_history(handle, history.as_ptr(), count) }, DC_OK);
+    let plane = [0.0, 0.0, 0.0, 1.0, 0.0, 0.0];
+    // SAFETY: the arrays have the lengths given.
+    unsafe {
+        assert_eq!(dc_set_symmetry(handle, plane.as_ptr(), 1), DC_OK, "{}", message());
+        assert!(kept(handle).is_empty(), "it is that of the planes of before");
+        assert_eq!(dc_set_symmetry(handle, std::ptr::null(), 0), DC_OK);
+        assert_eq!(dc_set_history(handle, history.as_ptr(), count), DC_OK);
+    }
     refresh(&further, handle);
     assert_eq!(residual(handle, &FRICTION), expected);
     // SAFETY: the array has the length given.

@@ -98,6 +98,14 @@ fn options_out_of_range() {
     mesh.slave_facets.clear();
     let with_areas = dc_options { areas: 1, ..options() };
     assert_eq!(mesh.make(&with_areas).0, DC_BAD_SLAVES);
+    // A penalty that was meant per area would be one per node.
+    let mesh = Mesh::new();
+    let (x, facets, slaves) = (mesh.positions.as_ptr(), mesh.facets.as_ptr(), mesh.slaves.as_ptr());
+    let (of_slaves, mut handle) = (mesh.slave_facets.as_ptr(), null_mut());
+    // SAFETY: the arrays have the lengths given.
+    let status = unsafe { dc_create(x, 40, facets, 25, slaves, 4, of_slaves, 1, null(), &mut handle) };
+    assert_eq!((status, handle.is_null()), (DC_BAD_OPTION, true));
+    assert!(message().contains("set areas of dc_options to 1"), "{}", message());
     // SAFETY: NULL is allowed to be refused.
     assert_eq!(unsafe { dc_options_default(null_mut()) }, DC_BAD_POINTER);
 }
@@ -502,7 +510,17 @@ fn a_library_without_friction_says_so() {
     let law = dc_law { friction: 0.2, ..LAW };
     let accept = |law: &dc_law| {
         // SAFETY: a whole structure.
-        unsafe { crate::friction::dc_accept(handle, law, null_mut(), null_mut(), null_mut(), null_mut()) }
+        unsafe {
+            crate::friction::dc_accept(
+                handle,
+                law,
+                null_mut(),
+                null_mut(),
+                null_mut(),
+                null_mut(),
+                null_mut(),
+            )
+        }
     };
     // SAFETY: the array has the length given.
     assert_eq!(unsafe { dc_refresh(handle, mesh.positions.as_ptr(), mesh.nodes(), null_mut()) }, DC_OK);

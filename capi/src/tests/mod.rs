@@ -94,6 +94,8 @@ impl Mesh {
     /// The status of making an interface, and its handle.
     fn make(&self, options: *const dc_options) -> (dc_status, *mut dc_interface) {
         let mut handle = std::ptr::dangling_mut();
+        // SAFETY: NULL, or a whole structure.
+        let has_areas = unsafe { options.as_ref() }.is_some_and(|options| options.areas != 0);
         // SAFETY: the arrays have the lengths given.
         let status = unsafe {
             dc_create(
@@ -104,7 +106,7 @@ impl Mesh {
                 self.slaves.as_ptr(),
                 self.slaves.len(),
                 self.slave_facets.as_ptr(),
-                self.slave_facets.len() / 4,
+                if has_areas { self.slave_facets.len() / 4 } else { 0 },
                 options,
                 &mut handle,
             )

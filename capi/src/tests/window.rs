@@ -77,6 +77,10 @@ fn a_window_gives_the_gaps_of_the_whole_or_none() {
         unsafe {
             let nodes = positions.len() / 3;
             let (of_nodes, of_slaves) = (positions.as_ptr(), slaves.as_ptr());
+            let facet = slaves.as_ptr();
+            let status =
+                dc_create_in_window(window, of_nodes, nodes, of_slaves, 4, facet, 1, null(), &mut part);
+            assert!(status == DC_BAD_OPTION && message().contains("areas"), "{}", message());
             let status =
                 dc_create_in_window(window, of_nodes, nodes, of_slaves, 4, null(), 0, null(), &mut part);
             assert_eq!(status, DC_OK, "{}", message());

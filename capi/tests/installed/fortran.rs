@@ -25,6 +25,7 @@ fn the_user_element_has_the_numbers_of_rust() {
         "flags are honoured",
         "properties are honoured",
         "a lost surface asks for a cut-back",
+        "a divergent iteration asks for a cut-back",
         "few candidates carry the linear basis",
         "structures fit",
         "the adaptive tangent switches",
@@ -92,6 +93,7 @@ fn the_user_element_with_facets_has_the_numbers_of_the_whole_surface() {
         "all facets give what a window gives",
         "perturbations are linear",
         "a slave beyond its window asks for a cut-back",
+        "a divergent iteration asks for a cut-back",
     ] {
         assert!(printed.contains(said), "{said}: {printed}");
     }

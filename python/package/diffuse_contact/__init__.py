@@ -32,6 +32,7 @@ from ._results import (
     MaterialNodes,
     Pairing,
     RefreshReport,
+    SlaveFriction,
     SlaveGap,
 )
 from ._surface import MasterSurface, tributary_areas
@@ -68,6 +69,7 @@ __all__ = [
     "Pairing",
     "PartDemands",
     "RefreshReport",
+    "SlaveFriction",
     "SlaveGap",
     "SurfaceError",
     "SurfacePart",

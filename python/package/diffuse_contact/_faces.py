@@ -284,6 +284,16 @@ class FaceInterface(FrictionHistory):
         """
         return FaceReport(*self._faces.take(floats("positions", positions, "p", 3), False))
 
+    def cliques(self) -> tuple[Ints, Ints]:
+        """Which nodes couple with one another, for the pattern of a host's matrix: offsets and nodes.
+
+        Those of clique k are ``nodes[offsets[k] : offsets[k + 1]]``, ascending. An entry of the tangent is in the rows
+        and columns of two nodes of one clique. They hold all that has coupled since the last ``refresh``: where
+        ``update`` says ``grown`` they are more than before. They need no evaluation; before the first refresh there
+        are none.
+        """
+        return self._faces.cliques()
+
     def evaluate(
         self,
         penalty: float,

@@ -46,6 +46,7 @@ from ._results import (
     MaterialNodes,
     Pairing,
     RefreshReport,
+    SlaveFriction,
     SlaveGap,
     unpacked,
 )
@@ -250,7 +251,8 @@ class ContactInterface(FrictionHistory):
         Args:
             surface: the surface.
             positions: first positions of all nodes, shape (p, 3), length.
-            areas: whether contacts carry the nodes' tributary areas, so that the penalty is one per area.
+            areas: whether contacts carry the nodes' tributary areas, so that the penalty is one per area. They do by
+                default, other than in C.
             dofs: as for ``ContactInterface``.
             equations: as for ``ContactInterface``.
             symmetry: as for ``ContactInterface``.
@@ -300,7 +302,8 @@ class ContactInterface(FrictionHistory):
             slaves: as for ``ContactInterface``.
             positions: first those of ``window.nodes``, in their order and where they were when the window was made;
                 those of the slaves come after them.
-            slave_facets: all facets at the slaves, in the order of the whole, for the same areas.
+            slave_facets: all facets at the slaves, in the order of the whole, for the same areas. All their nodes have
+                to be in their first positions then, also in a later increment: areas are those at ``positions``.
             dofs: as for ``ContactInterface``.
             equations: as for ``ContactInterface``.
             options: ``weight``, ``basis`` and ``feature_angle`` have to be those that the window was made with.
@@ -675,6 +678,27 @@ class ContactInterface(FrictionHistory):
         """Normal forces over tributary areas, shape (s,); forces if contacts carry no areas."""
         forces = self.normal_forces(penalty, multipliers=multipliers, normal=normal)
         return forces / self.contacts.area
+
+    def friction(
+        self,
+        penalty: float,
+        *,
+        friction: Friction,
+        multipliers: ArrayLike | None = None,
+        normal: TabulatedPressure | None = None,
+    ) -> SlaveFriction:
+        """Traction, state and slip of every slave, of the last evaluation; over faces ``evaluate`` returns them.
+
+        ``accept`` ends the evaluation: ask before it. Arguments are those of ``forces``.
+
+        Raises:
+            InterfaceError: ``"not-evaluated"``.
+            AssemblyError: as for ``forces``; ``"no-slip"`` before the first ``accept``.
+
+        """
+        law = law_of(penalty, multipliers, friction=friction, normal=normal)
+        tractions, states, slip = self._interface.friction(law)
+        return SlaveFriction(tractions.reshape(-1, 3), states, slip)
 
     def cut_back(self, limit: float = 0.25) -> CutBack:
         """A hint, after an evaluation, whether the increment went too far for the pairing.

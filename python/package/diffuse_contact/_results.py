@@ -29,13 +29,30 @@ class SlaveGap(NamedTuple):
 class FrictionReport(NamedTuple):
     """What friction did in an increment, in numbers of slaves, and its work, energy.
 
-    ``unanchored`` slaves carry force without friction: they had no gap at the end of the increment before.
+    ``unanchored`` slaves carry force without friction: they had no gap at the end of the increment before. ``dropped``
+    slaves were closed then and have lost their contact element.
     """
 
     stuck: int
     sliding: int
     unanchored: int
+    dropped: int
     dissipated: float
+
+
+class SlaveFriction(NamedTuple):
+    """What friction does at the s slaves; zeros where a slave is open.
+
+    Attributes:
+        friction: tractions on the slaves, shape (s, 3), force per area; forces if contacts carry no areas.
+        friction_states: ``"open"``, ``"stick"`` or ``"slip"``.
+        slip: since the place of touch or the last accepted state, shape (s,), length.
+
+    """
+
+    friction: Floats
+    friction_states: list[str]
+    slip: Floats
 
 
 @dataclass(frozen=True)

@@ -202,7 +202,8 @@ impl<'a> ContactLaw<'a> {
         if !(self.penalty > 0.0 && self.penalty.is_finite()) {
             return Err(AssemblyError::InvalidPenalty { value: self.penalty });
         }
-        if self.normal.is_some() && self.multipliers.is_some() {
+        // None for no elements are those of a rank without slaves.
+        if self.normal.is_some() && self.multipliers.is_some_and(|own| elements > 0 || !own.is_empty()) {
             return Err(AssemblyError::MultipliersOfOwnLaw);
         }
         match self.multipliers {

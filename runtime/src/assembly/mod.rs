@@ -8,6 +8,7 @@
 //! * [`Triplets`] lists the entries of the tangent, for solvers that sort and sum themselves.
 //! * [`CsrPattern`] is built once for a pairing and then filled at every iteration, in parallel.
 //! * [`TangentOperator`] multiplies the tangent of an interface with vectors, without making it.
+//! * [`slave_friction`] says what friction does at each slave.
 //! * [`Tangent::adaptive`] says which tangent the next linear solution had better have.
 //! * [`ContactLaw::element_system`] makes forces and dense tangent of one element by itself,
 //!   [`ContactLaw::element_tangent`] the tangent's lower triangle.
@@ -53,6 +54,7 @@ mod normal;
 mod operator;
 mod pattern;
 mod single;
+mod slave_friction;
 mod tangent;
 mod triplets;
 
@@ -65,6 +67,7 @@ pub(crate) use normal::Table;
 pub use normal::{NormalLaw, NormalPressure, TabulatedPressure};
 pub use operator::TangentOperator;
 pub use pattern::{CsrIndex, CsrMap, CsrPattern};
+pub use slave_friction::{SlaveFriction, slave_friction};
 pub use tangent::Tangent;
 pub use triplets::{Triangle, Triplets};
 

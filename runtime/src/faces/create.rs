@@ -14,7 +14,7 @@ impl FaceInterface {
     /// An interface without points: until the first [`refresh`](Self::refresh) or [`update`](Self::update) there is no contact.
     ///
     /// `positions` are those of all nodes in the first configuration; the corners of `faces` and those of the master's facets are indices
-    /// into them. Faces run counter-clockwise seen from outside.
+    /// into them. Faces run counter-clockwise seen from outside; there may be none.
     ///
     /// # Errors
     /// As [`ContactInterface::new`]; [`InterfaceError::FacesNeedDomains`]; [`InterfaceError::Surface`] also for faces whose own smooth
@@ -67,7 +67,7 @@ impl FaceInterface {
             return Err(InterfaceError::FacesNeedDomains);
         }
         let areas = areas_of(&nodes_of(faces), faces, positions)?;
-        let skin = Skin::new(faces, positions, &own, &[])?;
+        let skin = skin_of(faces, positions, &own, &[])?;
         let interface = ContactInterface::new(master, Vec::new(), &[], positions, own)?;
         Ok(Self::of((interface, skin, areas), faces.to_vec(), positions.to_vec(), options))
     }
@@ -136,18 +136,21 @@ impl FaceInterface {
     }
 
     /// Makes these planes of symmetry of both surfaces, as [`ContactInterface::set_symmetry`], in the first configuration. The history of
-    /// friction ends, and there is no contact until the next [`refresh`](Self::refresh) or [`update`](Self::update).
+    /// friction ends, unless the planes are the same. There is no contact until the next [`refresh`](Self::refresh) or
+    /// [`update`](Self::update).
     ///
     /// # Errors
     /// As there. The interface is then as it was.
     pub fn set_symmetry(&mut self, planes: &[SymmetryPlane]) -> Result<(), InterfaceError> {
         self.check_whole("a plane of symmetry")?;
         let own = InterfaceOptions { areas: false, ..self.options.interface };
-        let skin = Skin::new(&self.faces, &self.first, &own, planes)?;
+        let skin = skin_of(&self.faces, &self.first, &own, planes)?;
         let mut interface = ContactInterface::new(self.master().clone(), Vec::new(), &[], &self.first, own)?;
         interface.set_symmetry(planes)?;
+        if self.interface.symmetry() != planes {
+            self.tracks = None;
+        }
         (self.skin, self.interface) = (skin, interface);
-        self.tracks = None;
         self.forget();
         Ok(())
     }
@@ -162,6 +165,16 @@ impl FaceInterface {
         self.cliques.fill(Vec::new());
         (self.report, self.contacts) = (FaceReport::default(), FaceContacts::default());
     }
+}
+
+/// The smooth surface of faces; without any, as on a rank of a parallel code, there is none.
+fn skin_of(
+    faces: &[Facet],
+    first: &[Point],
+    options: &InterfaceOptions,
+    planes: &[SymmetryPlane],
+) -> Result<Skin, InterfaceError> {
+    if faces.is_empty() { Ok(Skin::default()) } else { Skin::new(faces, first, options, planes) }
 }
 
 /// The corners of faces, ascending, each once.

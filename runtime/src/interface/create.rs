@@ -123,8 +123,8 @@ impl ContactInterface {
     /// neighbours on both sides. To be called before the first [`refresh_pairing`](Self::refresh_pairing). Where the master ends in
     /// a plane, that is no border.
     ///
-    /// Domains of influence are found anew, in the first configuration. Nobody is paired then, and the history of friction ends: both
-    /// name images in the planes of before.
+    /// Domains of influence are found anew, in the first configuration, nobody is paired then, and rounds of augmentation are forgotten. The
+    /// history of friction names images in the planes of before: it ends, unless the planes are the same.
     ///
     /// # Errors
     /// [`InterfaceError::Surface`] for planes that cannot be planes of symmetry; [`InterfaceError::NoSymmetry`] if masters are
@@ -148,9 +148,12 @@ impl ContactInterface {
         // Facets have no domains, but planes all the same.
         symmetry_of(&index, planes)?;
         self.nodal = Nodal::new(&index, &self.options, planes)?;
-        self.planes = planes.to_vec();
         // Anchors name images by number.
-        (self.anchors, self.augmented) = (None, None);
+        if self.planes != planes {
+            self.anchors = None;
+        }
+        self.planes = planes.to_vec();
+        self.augmented = None;
         self.end_pairings();
         Ok(())
     }

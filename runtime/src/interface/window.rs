@@ -84,7 +84,8 @@ impl ContactInterface {
     ///
     /// Results are those of an interface of the whole surface, bit for bit, or [`NoContact::BeyondWindow`]. A slave beyond the limit of
     /// the distance from all facets of the window has [`NoContact::TooFar`], with an infinite distance where the closest facet is not in
-    /// the window. Areas are the same if `slave_facets` are all facets at the slaves, in the order of the whole.
+    /// the window. Areas are the same if `slave_facets` are all facets at the slaves, in the order of the whole, and the positions of their
+    /// nodes those of the first configuration: what this call takes for the areas is where they are here, also in a later increment.
     ///
     /// # Errors
     /// As [`new`](Self::new); [`InterfaceError::Window`] for a window with something missing; [`InterfaceError::OtherThanWindow`] for

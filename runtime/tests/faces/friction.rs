@@ -361,6 +361,9 @@ fn tractions_stay_within_planes_of_symmetry() {
         assert!(there > 3 && elsewhere > 10, "{there} {elsewhere}");
         assert_tangent_at(&pair, &mut own, &law(), &stretched, 29);
         // The history is that of the planes of then.
+        let (history, planes) = (own.history(), [SymmetryPlane::across(0, [0.0; 3])]);
+        own.set_symmetry(&planes).unwrap();
+        assert_eq!(own.history(), history);
         own.set_symmetry(&[]).unwrap();
         assert!(!own.has_history());
     }

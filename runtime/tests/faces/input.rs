@@ -3,7 +3,7 @@
 use diffuse_contact::assembly::ContactLaw;
 use diffuse_contact::faces::*;
 use diffuse_contact::interface::{ContactElement, InterfaceError};
-use diffuse_contact::surface::{Facet, SurfaceError};
+use diffuse_contact::surface::{Facet, SurfaceError, SymmetryPlane};
 use diffuse_contact::{Mode, Point};
 
 use super::{Pair, Second, bumps, bumps_of_second_order, elements};
@@ -21,8 +21,21 @@ fn a_face_that_stands_there_twice_is_refused() {
             assert!(matches!(refused, InterfaceError::Surface(_)), "{refused}");
             pair.slave.pop();
         }
-        pair.slave.clear();
-        assert!(matches!(pair.try_interface(element, FaceRule::Second), Err(InterfaceError::Surface(_))));
+    }
+}
+
+/// Of a rank that has none.
+#[test]
+fn without_faces_there_is_no_contact() {
+    let mut pair = bumps(false);
+    pair.slave.clear();
+    for element in [ContactElement::default(), ContactElement::NodeToFacet] {
+        let mut none = pair.interface(element, FaceRule::Second);
+        none.set_symmetry(&[SymmetryPlane::across(0, [-0.1, 0.0, 0.0])]).unwrap();
+        assert_eq!(none.refresh(&pair.positions).unwrap(), FaceReport::default());
+        let contacts = none.evaluate(&ContactLaw::penalty(50.0), Mode::Hessian).unwrap();
+        assert!(contacts.nodes().is_empty() && contacts.missed() == 0);
+        assert_eq!(none.cliques().count(), 0);
     }
 }
 

@@ -132,7 +132,7 @@ impl Fuzz {
             match self.random.below(4) {
                 0 | 1 => {
                     let null = null_mut();
-                    dc_faces_accept(faces, &law, null, null, null, null_mut())
+                    dc_faces_accept(faces, &law, null, null, null, null, null_mut())
                 }
                 2 => {
                     let status = dc_faces_slip_errors(faces, &law, errors.pointer(&mut self.random), slaves);

@@ -4,7 +4,9 @@ use std::ptr::null_mut;
 
 use super::Fuzz;
 use super::arguments::{Numbers, overlapping};
-use crate::friction::{dc_accept, dc_augment, dc_history, dc_roll_back, dc_set_history, dc_slip_errors};
+use crate::friction::{
+    dc_accept, dc_augment, dc_friction, dc_history, dc_roll_back, dc_set_history, dc_slip_errors,
+};
 use crate::interface::dc_interface;
 use crate::operator::{
     dc_operator_create, dc_operator_destroy, dc_operator_diagonal, dc_operator_product,
@@ -19,14 +21,15 @@ impl Fuzz {
         let mut law = self.law(&multipliers);
         law.augmented = self.choice(2);
         let slaves = self.size(4);
-        let mut errors = Numbers::new(4);
-        let (mut counts, mut dissipated) = ([0; 3], 0.0);
-        let [stuck, sliding, unanchored] = &mut counts;
+        let (mut errors, mut tractions) = (Numbers::new(4), Numbers::new(12));
+        let (mut counts, mut dissipated) = ([0; 4], 0.0);
+        let [stuck, sliding, unanchored, dropped] = &mut counts;
         // SAFETY: the arrays have at least the lengths given.
         unsafe {
-            match self.random.below(6) {
+            match self.random.below(7) {
                 0 | 1 => {
-                    let status = dc_accept(handle, &law, stuck, sliding, unanchored, &mut dissipated);
+                    let status =
+                        dc_accept(handle, &law, stuck, sliding, unanchored, dropped, &mut dissipated);
                     assert!(counts.iter().all(|&count| count <= 4) && dissipated.is_finite());
                     status
                 }
@@ -40,6 +43,14 @@ impl Fuzz {
                     status
                 }
                 4 => dc_roll_back(handle),
+                5 => {
+                    let (slips, of_tractions) =
+                        (errors.pointer(&mut self.random), tractions.pointer(&mut self.random));
+                    let status = dc_friction(handle, &law, null_mut(), of_tractions, slips, slaves);
+                    errors.check(status);
+                    tractions.check(status);
+                    status
+                }
                 _ => self.history(handle),
             }
         }

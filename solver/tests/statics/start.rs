@@ -320,6 +320,55 @@ integration = "{integration}"
     assert!(text.contains("beyond the master's border") && text.contains("border_tolerance"), "{text}");
 }
 
+/// Plates of a fifth of a facet's size: one moves beyond the other at once, by less than half of a facet. A shorter increment bends it.
+#[test]
+fn a_plate_does_not_go_through_a_thin_one() {
+    let deck = |sides: &str| {
+        format!(
+            r#"
+[materials.steel]
+young = 200000.0
+poisson = 0.3
+[parts.lower]
+shape = "box"
+size = [6.0, 3.0, 0.2]
+divisions = [6, 3, 1]
+element = "hex8i"
+material = "steel"
+[parts.upper]
+shape = "box"
+origin = [2.0, 1.0, 0.22]
+size = [2.0, 1.0, 0.2]
+divisions = [2, 1, 1]
+material = "steel"
+[[boundary]]
+nodes = ["lower.x-", "lower.x+"]
+fix = ["x", "y", "z"]
+[[boundary]]
+nodes = "upper"
+translate = [0.0, 0.0, -0.3]
+[[interface]]
+name = "joint"
+{sides}
+integration = "faces"
+"#
+        )
+    };
+    for sides in ["master = \"lower\"\nslave = \"upper.z-\"", "self = [\"lower\", \"upper\"]"] {
+        let (notes, state, _) = run(&deck(sides), "[time]\nincrement = 1.0\nminimum = 0.01");
+        assert!(
+            notes.reasons.first().is_some_and(|reason| reason.contains("Through")),
+            "{:?}",
+            notes.reasons
+        );
+        let last = notes.increments.last().unwrap();
+        assert!(last.active > 0 && last.lost == 0 && state.time == 1.0, "{last:?}");
+        // The middle goes along with the upper plate.
+        let down = state.positions.iter().map(|x| x[2]).fold(f64::INFINITY, f64::min);
+        assert!((-0.35..-0.25).contains(&down), "{down}");
+    }
+}
+
 /// With a stabilisation what no load moves stays where it is, and forces are what they are without.
 #[test]
 fn stabilisation_holds_what_no_load_moves() {

@@ -13,7 +13,7 @@ use diffuse_contact::{FrameDerivative, Mode, Point, Weight};
 use diffuse_contact_mesh::ElementKind;
 use diffuse_contact_solver::contact::*;
 use diffuse_contact_solver::model::shape::Block;
-use diffuse_contact_solver::system::{BlockMatrix, BlockPattern};
+use diffuse_contact_solver::system::{BlockMatrix, BlockPattern, Operator};
 
 const PENALTY: f64 = 1e3;
 
@@ -336,6 +336,20 @@ fn a_contact_that_vanishes_under_load_is_lost_and_one_that_opens_is_not() {
         set.begin(&[vec![16]]),
         Err(ContactError::OtherPasses { what: "loaded slaves", found: 17, expected: 16 })
     );
+}
+
+/// A step that is no number is told, not a fault of the program: a shorter increment may be without it.
+#[test]
+fn a_product_of_the_operator_with_what_is_no_number_is_an_error() {
+    let (mut set, nodes) = contacts(options(false, false));
+    set.operate().unwrap();
+    forces(&mut set, &nodes, Mode::Hessian);
+    let operator = set.operator([0.0, 1.0], None).unwrap().unwrap();
+    let (mut x, mut y) = (vec![[0.0; 3]; nodes.len()], vec![[0.0; 3]; nodes.len()]);
+    assert_eq!(operator.add_product(&x, &mut y), Ok(()));
+    x[4][1] = f64::NAN;
+    let (entry, value) = operator.add_product(&x, &mut y).unwrap_err();
+    assert!(entry == 13 && value.is_nan(), "{entry} {value}");
 }
 
 /// Who has nothing over it went through the master, beyond its border, or opened: only the first is a loss, and an opening is no warning.

@@ -193,10 +193,10 @@ impl Problem {
         let mut right = vec![[0.0; 3]; self.start.len()];
         system.matrix.multiply(&step, &mut right);
         if let Some(operator) = &system.operator {
-            operator.add_product(&step, &mut right).map_err(|entry| {
+            operator.add_product(&step, &mut right).map_err(|(entry, value)| {
                 let (node, axis) = (entry / 3, entry % 3);
                 let equation = self.equations.number(node, axis).unwrap_or(0);
-                SystemError::NotFinite { equation, node, axis, value: right[node][axis] }
+                SystemError::NotFinite { equation, node, axis, value }
             })?;
         }
         for (right, force) in right.as_flattened_mut().iter_mut().zip(&system.imbalance) {

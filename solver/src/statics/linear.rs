@@ -211,7 +211,8 @@ impl Problem {
         let Assembled { matrix, symmetry, .. } = system;
         let operator = system.operator.as_ref().map(|operator| operator as &dyn Operator);
         let (equations, symmetry) = (&self.equations, *symmetry);
-        let whole = LinearSystem { matrix, operator, equations, symmetry, geometry };
+        let has_friction = self.contacts.has_friction();
+        let whole = LinearSystem { matrix, operator, equations, symmetry, has_friction, geometry };
         let solved = self.solver.solve(&whole, &right, accuracy, &mut solution);
         self.timing.linear += begin.elapsed();
         let report = solved?;

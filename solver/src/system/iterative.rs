@@ -98,7 +98,7 @@ pub fn solve_iteratively(
     accuracy: Accuracy,
     x: &mut Vec<[f64; 3]>,
 ) -> Result<IterativeReport, SystemError> {
-    let &LinearSystem { matrix, operator, equations, symmetry, geometry } = system;
+    let &LinearSystem { matrix, operator, equations, symmetry, geometry, .. } = system;
     let residual = checked(matrix, equations, rhs)?;
     let nodes = rhs.len();
     let scale = norm(&residual);

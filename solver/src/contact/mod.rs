@@ -21,7 +21,7 @@ mod proposal;
 mod resultant;
 mod tracks;
 
-pub use adjust::{AdjustError, adjust};
+pub use adjust::{AdjustError, Adjusted, adjust};
 pub use beginning::Beginning;
 pub use error::ContactError;
 pub use fallbacks::Fallbacks;

@@ -124,6 +124,9 @@ pub struct PartSummary {
     pub nodes: usize,
     /// Its elements; 0 if it is rigid.
     pub elements: usize,
+    /// Those with incompatible modes: in a mesh of several kinds hexahedra with 8 nodes alone have them.
+    #[serde(default)]
+    pub incompatible_modes: usize,
     /// Its material; `None` if it is rigid.
     pub material: Option<Material>,
 }
@@ -225,6 +228,8 @@ fn parts(model: &Model) -> Vec<PartSummary> {
             name: name.to_owned(),
             nodes: model.node_sets.get(name).map_or(0, Vec::len),
             elements: body.map_or(0, |body| body.elements.len()),
+            incompatible_modes: body
+                .map_or(0, |body| body.elements.iter().filter(|cell| cell.incompatible_modes).count()),
             material: body.map(|body| body.material),
         }
     };

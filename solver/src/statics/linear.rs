@@ -138,7 +138,7 @@ impl Problem {
 
     /// The parts that nothing holds.
     pub(super) fn loose(&self, system: &Assembled, positions: &[[f64; 3]]) -> Vec<Loose> {
-        loose_parts(&system.matrix, &self.equations, positions, &self.solid.parts())
+        loose_parts(&system.matrix, &self.equations, positions, self.solid.parts())
     }
 
     /// The stiffness of everything at the last evaluation, contacts with this tangent or with their own.

@@ -16,6 +16,7 @@ use super::friction::FrictionHistory;
 use super::losses::is_failure;
 use super::node_pass::NodePass;
 use super::pass::{NodalForces, Pass, PassError};
+use super::penetration::Penetration;
 use super::{Augmentation, ContactError, Integration, InteractionOptions, LostContact, Way};
 use crate::model::sorted;
 use crate::system::{BlockMatrix, Symmetry};
@@ -190,6 +191,17 @@ impl Interaction {
     pub fn fallbacks(&self) -> Fallbacks {
         let mut all = Fallbacks::default();
         self.slaves().for_each(|slave| all.count(slave.fallback));
+        all
+    }
+
+    /// Slaves that carry force deep below the master, beside the size of their facets, at the last evaluation. Where slave and masters are all
+    /// prescribed it is the deck's, and left out.
+    #[must_use]
+    pub fn penetration(&self) -> Penetration {
+        let mut all = Penetration::default();
+        for slave in self.slaves().filter(|slave| slave.force > 0.0 && !slave.is_held) {
+            all.count(slave.gap.map_or(0.0, |gap| -gap / self.facet_size_at(slave.node)));
+        }
         all
     }
 

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use diffuse_contact_mesh::names::shown;
 use serde::{Deserialize, Serialize};
 
-use crate::contact::{Beginning, Fallbacks};
+use crate::contact::{Beginning, Fallbacks, Penetration};
 use crate::deck::Deck;
 use crate::material::Material;
 use crate::model::Model;
@@ -70,6 +70,10 @@ pub struct Summary {
     /// it is in [`interfaces`](Self::interfaces).
     #[serde(default)]
     pub fallbacks: BTreeMap<String, Fallbacks>,
+    /// Of each interface the most slaves that were deeper below their masters than 5 % of the size of their facets at the end of an increment,
+    /// and the deepest of any; interfaces without any are left out.
+    #[serde(default)]
+    pub penetrations: BTreeMap<String, Penetration>,
     /// How the slaves of each interface lay at the start, with its penalty.
     #[serde(default)]
     pub interfaces: Vec<Beginning>,
@@ -162,6 +166,14 @@ impl Summary {
         })
     }
 
+    /// Slaves that were deep below their masters, in sentences.
+    fn deep_slaves(&self) -> impl Iterator<Item = String> {
+        self.interfaces.iter().filter_map(|start| {
+            let found = self.penetrations.get(&start.interface)?;
+            Some(found.warning(&start.interface, start.penalty))
+        })
+    }
+
     /// What went wrong on the way, in sentences.
     #[must_use]
     pub fn shortcomings(&self) -> Vec<String> {
@@ -217,7 +229,7 @@ impl Summary {
             )
         });
         let counted = counted.map(|(count, what)| format!("{count} {what}"));
-        counted.chain(idle).chain(vanished).chain(self.new_fallbacks()).collect()
+        counted.chain(idle).chain(vanished).chain(self.deep_slaves()).chain(self.new_fallbacks()).collect()
     }
 }
 

@@ -10,8 +10,10 @@ use diffuse_contact::neighbourhood::SearchOptions;
 use diffuse_contact::surface::Facet;
 use diffuse_contact::{FrameDerivative, Mode, Point, Weight};
 
+use diffuse_contact_mesh::ElementKind;
 use diffuse_contact_solver::contact::*;
-use diffuse_contact_solver::system::{BlockMatrix, BlockPattern};
+use diffuse_contact_solver::model::shape::Block;
+use diffuse_contact_solver::system::{BlockMatrix, BlockPattern, Operator};
 
 const PENALTY: f64 = 1e3;
 
@@ -336,6 +338,20 @@ fn a_contact_that_vanishes_under_load_is_lost_and_one_that_opens_is_not() {
     );
 }
 
+/// A step that is no number is told, not a fault of the program: a shorter increment may be without it.
+#[test]
+fn a_product_of_the_operator_with_what_is_no_number_is_an_error() {
+    let (mut set, nodes) = contacts(options(false, false));
+    set.operate().unwrap();
+    forces(&mut set, &nodes, Mode::Hessian);
+    let operator = set.operator([0.0, 1.0], None).unwrap().unwrap();
+    let (mut x, mut y) = (vec![[0.0; 3]; nodes.len()], vec![[0.0; 3]; nodes.len()]);
+    assert_eq!(operator.add_product(&x, &mut y), Ok(()));
+    x[4][1] = f64::NAN;
+    let (entry, value) = operator.add_product(&x, &mut y).unwrap_err();
+    assert!(entry == 13 && value.is_nan(), "{entry} {value}");
+}
+
 /// Who has nothing over it went through the master, beyond its border, or opened: only the first is a loss, and an opening is no warning.
 #[test]
 fn a_slave_that_went_through_is_lost_and_a_force_that_vanishes_is_named() {
@@ -369,6 +385,60 @@ fn a_slave_that_went_through_is_lost_and_a_force_that_vanishes_is_named() {
         // Down by a little and off the border.
         let (lost, vanished) = after([9.0, 0.0, -0.6]);
         assert!(lost.is_empty() && vanished[0].1 > 0, "{lost:?} {vanished:?}");
+    }
+}
+
+/// Plates of a fifth of a facet's size that go through one another: what lies deeper than half of the thickness, or all of it between two
+/// surfaces, has nothing over it. Beside one another, or apart, nothing is lost.
+#[test]
+fn thin_walls_that_went_through_one_another_are_lost() {
+    const THICKNESS: f64 = 0.2;
+    let faces = Integration::Faces(FaceRule::default());
+    for (gap, self_contact) in [(0.02, false), (0.02, true), (0.5, false), (0.5, true)] {
+        let plate = |origin: Point, cells: usize| {
+            let size = [cells as f64, cells as f64, THICKNESS];
+            let block = Block { origin, size, divisions: [cells, cells, 1], grading: [1.0; 3] };
+            block.part(ElementKind::Hexahedron8).unwrap()
+        };
+        let (lower, upper) = (plate([0.0; 3], 6), plate([1.3, 1.2, THICKNESS + gap], 3));
+        let first = lower.nodes.len();
+        let moved = |facet: &Facet| match *facet {
+            Facet::Triangle(corners) => Facet::Triangle(corners.map(|node| first + node)),
+            Facet::Quadrilateral(corners) => Facet::Quadrilateral(corners.map(|node| first + node)),
+        };
+        let below: Vec<usize> = upper.node_sets["z-"].iter().map(|node| first + node).collect();
+        let (master, slave) = if self_contact {
+            let all: Vec<Facet> =
+                lower.outside().into_iter().chain(upper.outside().iter().map(moved)).collect();
+            (all.clone(), all)
+        } else {
+            (lower.outside(), upper.surfaces["z-"].iter().map(moved).collect())
+        };
+        let nodes = [lower.nodes, upper.nodes].concat();
+        let options = InteractionOptions::new("plates", PENALTY)
+            .with_integration(faces)
+            .with_self_contact(self_contact);
+        let mut set = ContactSet::new(vec![Interaction::new(options, &master, &slave, &nodes).unwrap()]);
+        let nobody = set.loaded();
+        let mut lost = |by: Point| {
+            set.begin(&nobody).unwrap();
+            set.refresh(RefreshRule::Increment, &nodes).unwrap();
+            forces(&mut set, &nodes, Mode::Gradient);
+            set.excuse();
+            let mut to = nodes.clone();
+            to[first..].iter_mut().for_each(|x| (0..3).for_each(|axis| x[axis] += by[axis]));
+            assert_eq!(forces(&mut set, &to, Mode::Gradient).1, 0);
+            set.lost(Way { from: &nodes, to: &to }).map(|(_, lost)| lost).collect::<Vec<_>>()
+        };
+        let through = lost([0.0, 0.0, -gap - 0.25]);
+        for node in below {
+            let found = through.iter().find(|lost| lost.node == node).unwrap_or_else(|| panic!("{node}"));
+            assert!(
+                matches!(found.loss, Loss::Through { depth } if (depth - 0.25).abs() < 1e-9),
+                "{found:?}"
+            );
+        }
+        assert!(lost([9.0, 0.0, -gap - 0.25]).is_empty() && lost([0.0, 0.0, 5.0]).is_empty());
     }
 }
 

@@ -165,7 +165,14 @@ impl Example {
 
     fn system(&self) -> LinearSystem<'_> {
         let Self { matrix, equations, symmetry, .. } = self;
-        LinearSystem { matrix, operator: None, equations, symmetry: *symmetry, geometry: self.geometry() }
+        LinearSystem {
+            matrix,
+            operator: None,
+            equations,
+            symmetry: *symmetry,
+            has_friction: *symmetry == Symmetry::General,
+            geometry: self.geometry(),
+        }
     }
 
     fn iterative(&self, tolerance: f64) -> Result<(IterativeReport, Vec<[f64; 3]>), SystemError> {

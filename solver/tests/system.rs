@@ -138,6 +138,11 @@ fn products_are_those_of_the_dense_matrix() {
     for (value, expected) in y.as_flattened().iter().zip(&expected) {
         assert!((value - expected).abs() < 1e-13);
     }
+    // Rows of some nodes are those of all, bit for bit.
+    let nodes = [7, 3, 29];
+    assert_eq!(matrix.multiply_rows(&nodes, &x), nodes.map(|node| y[node]));
+    matrix.multiply_moduli(&x, &mut y);
+    assert_eq!(matrix.multiply_moduli_rows(&nodes, &x), nodes.map(|node| y[node]));
 }
 
 #[test]

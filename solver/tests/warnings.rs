@@ -287,6 +287,31 @@ fn one_pair_of_surfaces_under_two_names_is_told() {
     assert!(!summary.warnings.iter().any(|one| one.contains("two surfaces")), "{:?}", summary.warnings);
 }
 
+/// A penalty that lets slaves in by more than a twentieth of their facets' size is told, also of an increment before a restart. The default one
+/// lets them in by less.
+#[test]
+fn penetration_beside_the_mesh_is_told() {
+    let scratch = Scratch::new("deep");
+    let told = |summary: &Summary| -> Vec<String> {
+        summary.warnings.iter().filter(|one| one.contains("5 % of the size")).cloned().collect()
+    };
+    let soft = PRESSED.replace("penalty = 500.0", "penalty = 60.0");
+    let (_, stopped) = run(&scratch, &soft, false, Some(2));
+    let found = stopped.penetrations["floor"];
+    // All slaves have facets of one size here.
+    let size = (2.0_f64 / 3.0 * 0.5).sqrt();
+    assert!((found.part * size - stopped.max_penetration).abs() < 1e-12 && found.slaves > 0, "{found:?}");
+    let sentences = told(&stopped);
+    assert!(
+        sentences.len() == 1 && sentences[0].contains("`floor`") && sentences[0].contains("penalty 6.000e1"),
+        "{sentences:?}"
+    );
+    let (_, whole) = run(&scratch, &soft, true, None);
+    assert_eq!((whole.max_penetration, told(&whole)), (0.0, sentences));
+    let (_, default) = run(&scratch, &PRESSED.replace("penalty = 500.0", ""), false, None);
+    assert!(default.penetrations.is_empty() && told(&default).is_empty(), "{:?}", default.warnings);
+}
+
 /// A comma in a name is an underscore in those of columns, where another interface may have one.
 #[test]
 fn interfaces_of_like_names_have_columns_of_their_own() {

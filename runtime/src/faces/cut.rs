@@ -11,7 +11,7 @@ use crate::vector::Vector3;
 use crate::{Mode, Point};
 
 /// Cosine of the angle between the normals of a face and of a facet that lie over one another, at most.
-const OPPOSITE: f64 = -0.1;
+pub(super) const OPPOSITE: f64 = -0.1;
 /// A quadrilateral becomes a triangle as its smallest corner goes from this part of its area to nothing.
 const SLENDER: f64 = 0.1;
 /// Of two corners the later one is smaller only below this part of the other: rounding does not decide between equal ones.
@@ -249,6 +249,29 @@ fn on_face(
 fn height_over(shape: &Shape, x: Vector3, normal: Vector3) -> Option<f64> {
     let over = carried(shape, x.into(), normal.into(), Mode::Value)?;
     Some((shape.point(over.natural) - x).dot(&normal))
+}
+
+/// How far behind a facet, against its normal at its middle, the nearest one that looks the other way is; infinite if there is none. Deeper
+/// than that nothing is touched through it.
+pub fn far_side(index: &SurfaceIndex<'_>, facet: u32) -> f64 {
+    let shape = index.shape(facet);
+    let Some(view) = View::of(&shape) else { return f64::INFINITY };
+    let middle = shape.middle();
+    let mut nearest = f64::INFINITY;
+    index.for_each_along(middle, view.normal * -1.0, |other| {
+        if index.normals()[other as usize].dot(&view.normal) > OPPOSITE {
+            return;
+        }
+        let shape = index.shape(other);
+        let mut behind: Polygon = shape.corners().iter().map(|&x| view.seen(x)).collect();
+        behind.reverse();
+        if convex_parts(behind).iter().any(|part| contains(part, view.seen(middle)))
+            && let Some(height) = height_over(&shape, middle, view.normal).filter(|height| *height < 0.0)
+        {
+            nearest = nearest.min(-height);
+        }
+    });
+    nearest
 }
 
 /// Whether a point lies in a convex polygon that runs counter-clockwise.

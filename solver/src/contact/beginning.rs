@@ -23,6 +23,9 @@ pub struct Beginning {
     pub penalty: f64,
     /// Slaves that were moved onto their masters, and the longest way, length; `None` if that was not asked for.
     pub adjusted: Option<(usize, f64)>,
+    /// Slaves that were to be moved, too, but are free along the master alone.
+    #[serde(default)]
+    pub not_adjusted: usize,
     /// Slaves, of both passes if there are two.
     pub slaves: usize,
     /// Those that have a contact element.
@@ -93,6 +96,7 @@ impl Beginning {
                 .options()
                 .adjust
                 .map(|_| (ways.len(), ways.into_iter().fold(0.0, f64::max))),
+            not_adjusted: model.not_adjusted.get(&interaction.options().name).copied().unwrap_or(0),
             interface: interaction.options().name.clone(),
             slaves: interaction.slaves().count(),
             paired: interaction.slaves().filter(|slave| slave.gap.is_some()).count(),
@@ -126,6 +130,7 @@ impl Beginning {
     pub fn warnings(&self) -> Vec<String> {
         let Self {
             interface,
+            not_adjusted,
             slaves,
             deep,
             fallbacks,
@@ -149,6 +154,10 @@ impl Beginning {
                 warnings.push(format!("interface `{}`: {count} {what}", shown(interface)));
             }
         };
+        warn(
+            not_adjusted,
+            "slaves near the master are not moved onto it: their boundary conditions leave them free along its surface, and hardly across it",
+        );
         warn(
             deep,
             "slaves start deeper below the master than a tenth of their facets' size: do the parts overlap, or does the master face \

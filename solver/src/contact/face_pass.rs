@@ -7,6 +7,7 @@ use diffuse_contact::surface::{Facet, MasterSurface};
 use diffuse_contact::{Mode, Point};
 
 use super::pass::{NodalForces, Pass, PassError, PassState};
+use super::tracks::Finder;
 use super::{ContactError, InteractionOptions, SlaveState, TangentRule};
 use crate::system::{BlockMatrix, Symmetry};
 
@@ -138,6 +139,10 @@ impl Pass for FacePass {
 
     fn master(&self) -> &MasterSurface {
         self.interface.master()
+    }
+
+    fn finder(&self) -> Finder<'_> {
+        Finder::Faces(&self.interface)
     }
 
     fn multiplier_of(&self, _slave: &SlaveState, gap: f64) -> f64 {

@@ -16,6 +16,7 @@ use super::friction::FrictionHistory;
 use super::losses::is_failure;
 use super::node_pass::NodePass;
 use super::pass::{NodalForces, Pass, PassError};
+use super::penetration::Penetration;
 use super::{Augmentation, ContactError, Integration, InteractionOptions, LostContact, Way};
 use crate::model::sorted;
 use crate::system::{BlockMatrix, Symmetry};
@@ -23,6 +24,16 @@ use crate::system::{BlockMatrix, Symmetry};
 /// Root of the mean area of facets, of which nodes have these tributary areas; 0 without any.
 pub(crate) fn facet_size(areas: &[f64], facets: &[Facet]) -> f64 {
     (areas.iter().sum::<f64>() / facets.len().max(1) as f64).sqrt()
+}
+
+/// Root of the mean area of the facets around each node, of which nodes have these tributary areas: a node has a part of each of them.
+fn sizes_around(areas: &[f64], facets: &[Facet]) -> HashMap<usize, f64> {
+    let mut parts: HashMap<usize, f64> = HashMap::new();
+    for corners in facets.iter().map(Facet::corners) {
+        corners.iter().for_each(|&node| *parts.entry(node).or_default() += 1.0 / corners.len() as f64);
+    }
+    let size = |(node, part): (usize, f64)| (node, (areas.get(node).copied().unwrap_or(0.0) / part).sqrt());
+    parts.into_iter().map(size).collect()
 }
 
 /// Contact of one slave node at the last evaluation.
@@ -95,6 +106,8 @@ pub struct Interaction {
     sizes: Vec<f64>,
     /// Tributary areas of the nodes of both sides at the start, length².
     areas: HashMap<usize, f64>,
+    /// Root of the mean area of the facets around each of these nodes at the start, length.
+    local_sizes: HashMap<usize, f64>,
     /// Facets of both sides.
     facets: Vec<Facet>,
     /// How many of them, the first, are the slave's.
@@ -134,17 +147,19 @@ impl Interaction {
         } else {
             vec![pass(master, slave, penalty)?]
         };
-        let (mut sizes, mut areas) = (Vec::new(), HashMap::new());
+        let (mut sizes, mut areas, mut local_sizes) = (Vec::new(), HashMap::new(), HashMap::new());
         for side in [slave, master] {
             // The facets were checked when the passes were made.
             let of_nodes = tributary_areas(positions, side).unwrap_or_default();
             sizes.push(facet_size(&of_nodes, side));
+            local_sizes.extend(sizes_around(&of_nodes, side));
             areas.extend(of_nodes.into_iter().enumerate().filter(|&(_, area)| area > 0.0));
         }
         // One side is both where a surface is in contact with itself.
         let other = if options.self_contact { &[] } else { master };
         let facets = [slave, other].concat();
-        Ok(Self { options, passes, sizes, areas, facets, slave_facets: slave.len(), before: Vec::new() })
+        let (slave_facets, before) = (slave.len(), Vec::new());
+        Ok(Self { options, passes, sizes, areas, local_sizes, facets, slave_facets, before })
     }
 
     /// The options.
@@ -176,6 +191,17 @@ impl Interaction {
     pub fn fallbacks(&self) -> Fallbacks {
         let mut all = Fallbacks::default();
         self.slaves().for_each(|slave| all.count(slave.fallback));
+        all
+    }
+
+    /// Slaves that carry force deep below the master, beside the size of their facets, at the last evaluation. Where slave and masters are all
+    /// prescribed it is the deck's, and left out.
+    #[must_use]
+    pub fn penetration(&self) -> Penetration {
+        let mut all = Penetration::default();
+        for slave in self.slaves().filter(|slave| slave.force > 0.0 && !slave.is_held) {
+            all.count(slave.gap.map_or(0.0, |gap| -gap / self.facet_size_at(slave.node)));
+        }
         all
     }
 
@@ -441,11 +467,6 @@ impl Interaction {
         self.passes.iter().map(AsRef::as_ref)
     }
 
-    /// Mean size of the slave's facets at the start, length.
-    pub(super) fn facet_size(&self) -> f64 {
-        self.sizes[0]
-    }
-
     /// Facets of both sides.
     pub(crate) fn facets(&self) -> &[Facet] {
         &self.facets
@@ -464,6 +485,16 @@ impl Interaction {
             sides
         };
         self.facets.len() == other.facets.len() && sides(self) == sides(other)
+    }
+
+    /// Mean size of the slave's facets at the start, length.
+    pub(super) fn facet_size(&self) -> f64 {
+        self.sizes[0]
+    }
+
+    /// Size of the facets around a node of either side at the start, length.
+    pub(crate) fn facet_size_at(&self, node: usize) -> f64 {
+        self.local_sizes.get(&node).copied().unwrap_or(0.0)
     }
 
     /// Area that belongs to a node of either side at the start, length².

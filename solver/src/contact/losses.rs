@@ -1,10 +1,9 @@
 //! Slaves that lose their contact under load.
 
 use diffuse_contact::interface::NoContact;
-use diffuse_contact::surface::MasterSurface;
 
 use super::ContactError;
-use super::tracks::{Parted, Tracks, Way};
+use super::tracks::{Parted, Tracks};
 
 /// Of each slave of a pass: whether it carried force in the increment on its way or right before it, whether it was over the master when
 /// the increment began, and whether it may go without its element from there on.
@@ -16,8 +15,6 @@ pub struct Losses {
     /// Who had an element when the increment began.
     over: Vec<bool>,
     excused: Vec<bool>,
-    /// Whether the slaves are the master's own nodes.
-    is_own: bool,
 }
 
 /// A slave that has no contact, although it carried force and has not left its master, or was over it and went through.
@@ -56,11 +53,6 @@ pub const fn is_failure(reason: NoContact) -> bool {
 }
 
 impl Losses {
-    /// `is_own`: whether the slaves are the master's own nodes.
-    pub fn new(is_own: bool) -> Self {
-        Self { is_own, ..Self::default() }
-    }
-
     /// At the beginning of an increment. `loaded`: places of the slaves that carry force there.
     ///
     /// # Errors
@@ -104,11 +96,6 @@ impl Losses {
         }
     }
 
-    /// Where slaves were over this master when the increment began.
-    pub fn tracks<'a>(&self, master: &'a MasterSurface, way: Way<'a>) -> Tracks<'a> {
-        Tracks::new(way, master, self.is_own)
-    }
-
     /// Whether the slave in place `k` carries force or did so since the increment began.
     pub fn carried(&self, k: usize) -> bool {
         self.carried.get(k).copied().unwrap_or(false)
@@ -130,7 +117,7 @@ impl Losses {
         }
         let loss = if is_failure(reason) {
             Loss::Element(reason)
-        } else if let Parted::Through { depth } = tracks.parted(node, reason) {
+        } else if let Parted::Through { depth } = tracks.parted(k, node, reason) {
             Loss::Through { depth }
         } else {
             return None;
@@ -142,6 +129,6 @@ impl Losses {
     /// from its master.
     pub fn vanished(&self, k: usize, node: usize, reason: NoContact, tracks: &mut Tracks<'_>) -> bool {
         let before = self.before.get(k).copied().unwrap_or(false);
-        before && (is_failure(reason) || !matches!(tracks.parted(node, reason), Parted::Opened))
+        before && (is_failure(reason) || !matches!(tracks.parted(k, node, reason), Parted::Opened))
     }
 }

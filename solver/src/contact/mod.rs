@@ -17,11 +17,12 @@ mod node_pass;
 mod operator;
 mod options;
 mod pass;
+mod penetration;
 mod proposal;
 mod resultant;
 mod tracks;
 
-pub use adjust::{AdjustError, adjust};
+pub use adjust::{AdjustError, Adjusted, adjust};
 pub use beginning::Beginning;
 pub use error::ContactError;
 pub use fallbacks::Fallbacks;
@@ -34,6 +35,7 @@ pub use options::{
     Augmentation, Coefficient, Friction, Integration, InteractionOptions, RefreshRule, TangentRule,
 };
 pub use pass::NodalForces;
+pub use penetration::Penetration;
 pub use resultant::Resultant;
 pub use tracks::Way;
 
@@ -321,6 +323,12 @@ impl ContactSet {
     pub fn fallbacks(&self) -> impl Iterator<Item = (String, Fallbacks)> {
         let counted = |own: &Interaction| (own.options().name.clone(), own.fallbacks());
         self.interactions.iter().map(counted).filter(|(_, fallbacks)| !fallbacks.is_none())
+    }
+
+    /// Names of the interfaces with slaves that lie deep below their masters, beside the size of their facets, at the last evaluation.
+    pub fn penetrations(&self) -> impl Iterator<Item = (String, Penetration)> {
+        let counted = |own: &Interaction| (own.options().name.clone(), own.penetration());
+        self.interactions.iter().map(counted).filter(|(_, found)| found.slaves > 0)
     }
 
     /// Integration points of loaded faces that carry no force at the last evaluation although they have a gap: their line of force

@@ -13,6 +13,7 @@ use diffuse_contact::surface::{Facet, MasterSurface};
 use diffuse_contact::{Mode, Point};
 
 use super::pass::{NodalForces, Pass, PassError, PassState};
+use super::tracks::Finder;
 use super::{ContactError, InteractionOptions, SlaveState, TangentRule};
 use crate::system::{BlockMatrix, Symmetry};
 
@@ -21,6 +22,8 @@ use crate::system::{BlockMatrix, Symmetry};
 pub struct NodePass {
     interface: ContactInterface,
     state: PassState,
+    /// Whether the slaves are the master's own nodes.
+    is_own: bool,
     /// Whether the tangent leaves out what is not symmetric.
     is_symmetric: bool,
     /// Whether all of the tangent but ε N Nᵀ is an operator.
@@ -56,7 +59,8 @@ impl NodePass {
             interface.check_friction().map_err(|error| named(error.into()))?;
         }
         let is_symmetric = options.friction.as_ref().is_some_and(|friction| friction.is_symmetric);
-        Ok(Self { interface, state, is_symmetric, is_operator: false, values: Vec::new() })
+        let is_own = options.self_contact;
+        Ok(Self { interface, state, is_own, is_symmetric, is_operator: false, values: Vec::new() })
     }
 
     fn contacts(&self) -> &Contacts {
@@ -236,6 +240,10 @@ impl Pass for NodePass {
 
     fn master(&self) -> &MasterSurface {
         self.interface.master()
+    }
+
+    fn finder(&self) -> Finder<'_> {
+        if self.is_own { Finder::ClosestOwn } else { Finder::Closest }
     }
 
     fn multiplier_of(&self, slave: &SlaveState, gap: f64) -> f64 {

@@ -44,10 +44,11 @@ impl ContactOperator {
 }
 
 impl Operator for ContactOperator {
-    fn add_product(&self, x: &[[f64; 3]], y: &mut [[f64; 3]]) -> Result<(), usize> {
+    fn add_product(&self, x: &[[f64; 3]], y: &mut [[f64; 3]]) -> Result<(), (usize, f64)> {
         self.passes.borrow_mut().iter_mut().try_for_each(|pass| {
             pass.add_product(x.as_flattened(), y.as_flattened_mut()).map_err(|error| match error {
-                AssemblyError::Overflow { equation, .. } => equation,
+                AssemblyError::Overflow { equation, .. } => (equation, y.as_flattened()[equation]),
+                AssemblyError::NonFiniteEntry { equation, value, .. } => (equation, value),
                 other => unreachable!("all vectors are over the nodes of the problem: {other}"),
             })
         })

@@ -9,6 +9,7 @@ use diffuse_contact::surface::MasterSurface;
 
 use super::friction::{FrictionHistory, PassFriction};
 use super::losses::Losses;
+use super::tracks::{Finder, Tracks};
 use super::{ContactError, InteractionOptions, LostContact, SlaveState, TangentRule, Way};
 use crate::system::{BlockMatrix, Symmetry};
 
@@ -89,7 +90,7 @@ impl PassState {
             held: vec![false; nodes],
             is_master_held: false,
             has_grown: false,
-            losses: Losses::new(options.self_contact),
+            losses: Losses::default(),
         })
     }
 
@@ -184,6 +185,9 @@ pub trait Pass: std::fmt::Debug {
 
     /// The master's facets.
     fn master(&self) -> &MasterSurface;
+
+    /// How what slaves are over is found.
+    fn finder(&self) -> Finder<'_>;
 
     /// Multipliers by which the open slaves of a part, and those that face it, push with ε g, if they are nearest to the master and not
     /// farther than `size`; `others` or its own for other slaves. Empty if there are none, and no `others`.
@@ -362,7 +366,7 @@ pub trait Pass: std::fmt::Debug {
 
     /// The slaves that have no contact although they carried force and have not left the master, or were over it and went through.
     fn lost(&self, way: Way<'_>) -> Vec<LostContact> {
-        let mut tracks = self.state().losses.tracks(self.master(), way);
+        let mut tracks = Tracks::new(way, self.master(), self.finder());
         let judged =
             self.outcomes().into_iter().enumerate().filter_map(|(k, (node, outcome))| match outcome {
                 Outcome::None(reason) => self.state().losses.judge(k, node, reason, &mut tracks),
@@ -380,7 +384,7 @@ pub trait Pass: std::fmt::Debug {
 
     /// How many slaves carried force when the increment began, and have neither a contact now nor risen from the master.
     fn vanished(&self, way: Way<'_>) -> usize {
-        let mut tracks = self.state().losses.tracks(self.master(), way);
+        let mut tracks = Tracks::new(way, self.master(), self.finder());
         let outcomes = self.outcomes().into_iter().enumerate();
         let vanished = outcomes.filter(|&(k, (node, outcome))| match outcome {
             Outcome::None(reason) => self.state().losses.vanished(k, node, reason, &mut tracks),

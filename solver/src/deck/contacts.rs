@@ -8,7 +8,7 @@ use diffuse_contact::surface::{Facet, tributary_areas};
 use super::error::{DeckError, Problem};
 use super::{Contact, Deck, Interface, Sides};
 use crate::contact::{
-    AdjustError, ContactError, Integration, Interaction, InteractionOptions, adjust, facet_size,
+    AdjustError, Adjusted, ContactError, Integration, Interaction, InteractionOptions, adjust, facet_size,
 };
 use crate::model::Model;
 use crate::solid::Solid;
@@ -67,12 +67,13 @@ impl Deck {
             let is_free = |node: usize, axis| deformable[node] && supports.is_free(3 * node + axis);
             let free: Vec<[bool; 3]> =
                 (0..model.nodes.len()).map(|node| [0, 1, 2].map(|axis| is_free(node, axis))).collect();
-            let moved = match adjust(&mut interaction, &model.nodes, &free, limit) {
-                Ok(moved) => moved,
+            let Adjusted { moved, held } = match adjust(&mut interaction, &model.nodes, &free, limit) {
+                Ok(adjusted) => adjusted,
                 Err(AdjustError::Contact(error)) => return self.refused(interface, Err(error)),
                 Err(error) => return Err(self.unadjusted(interface, error)),
             };
             moved.into_iter().for_each(|(node, to)| model.adjust(node, to, &interface.name));
+            model.not_adjusted.insert(interface.name.clone(), held);
             // Of elements that this turned inside out the mesh is not to blame.
             Solid::new(&model.nodes, &model.bodies)
                 .map_err(|error| self.unadjusted(interface, AdjustError::Solid(error)))?;

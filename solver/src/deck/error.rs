@@ -213,6 +213,12 @@ pub enum Problem {
         /// Why.
         error: ModelError,
     },
+    /// A kind of hexahedra with 8 nodes for a part that has none.
+    #[error("parts.{part}.element says what hexahedra with 8 nodes are, but the mesh file has none for this part", part = shown(part))]
+    NoHexahedra {
+        /// The part.
+        part: String,
+    },
     /// Two boundary conditions move one node differently along one axis.
     #[error(
         "node {node} at ({}) is moved along {axis} by this boundary condition and, differently, by that in line {other}",

@@ -4,6 +4,7 @@ use std::collections::{BTreeMap, BTreeSet, HashSet};
 use std::path::Path;
 
 use diffuse_contact::surface::Facet;
+use diffuse_contact_mesh::ElementKind;
 use diffuse_contact_mesh::names::nearest;
 
 use super::error::{DeckError, Problem};
@@ -221,6 +222,10 @@ impl PartEntry {
             }
         };
         if let Some(has) = self.incompatible_modes {
+            let is_from_file = matches!(self.source, PartSource::Solid { .. });
+            if is_from_file && part.elements.iter().all(|cell| cell.kind != ElementKind::Hexahedron8) {
+                return Err(Box::new(Problem::NoHexahedra { part: name() }));
+            }
             part.elements.set_incompatible_modes(|_| has);
         }
         self.rotations.iter().for_each(|rotation| part.rotate(rotation));

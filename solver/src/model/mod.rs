@@ -45,6 +45,8 @@ pub struct Model {
     pub inner_facets: BTreeMap<String, usize>,
     /// The nodes that [`adjust`](Self::adjust) moved.
     pub adjusted: BTreeMap<usize, AdjustedNode>,
+    /// By interface, how many of its slaves were to be adjusted but are free along its master alone.
+    pub not_adjusted: BTreeMap<String, usize>,
 }
 
 /// A node that was moved before there was any strain.

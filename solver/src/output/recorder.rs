@@ -9,7 +9,7 @@ use super::saved::{Saved, instructions};
 use super::{
     Failed, Fields, OutputError, Skin, SkinFrame, SlaveFields, Summary, history, names, picture, points,
 };
-use crate::contact::{Beginning, Fallbacks};
+use crate::contact::{Beginning, Fallbacks, Penetration};
 use crate::deck::{Colour, Output};
 use crate::model::Model;
 use crate::report::{SURFACES, SurfaceSample};
@@ -109,6 +109,8 @@ pub struct Recorder<'a> {
     pub(super) vanished: BTreeMap<String, f64>,
     /// Of each interface the most slaves at the end of an increment whose masters do not carry the fit that was asked for.
     pub(super) fallbacks: BTreeMap<String, Fallbacks>,
+    /// Of each interface the most slaves deep below their masters at the end of an increment, and how deep.
+    pub(super) penetrations: BTreeMap<String, Penetration>,
     watcher: &'a mut dyn Watcher,
 }
 
@@ -158,8 +160,17 @@ impl<'a> Recorder<'a> {
         saved: Saved,
         watcher: &'a mut dyn Watcher,
     ) -> Result<Self, OutputError> {
-        let Saved { state, pending, carried, vanished, fallbacks, instructions: before, beginnings, .. } =
-            saved;
+        let Saved {
+            state,
+            pending,
+            carried,
+            vanished,
+            fallbacks,
+            penetrations,
+            instructions: before,
+            beginnings,
+            ..
+        } = saved;
         if !before.is_empty() && before != instructions() {
             watcher.other_instructions(&before, instructions());
         }
@@ -182,6 +193,7 @@ impl<'a> Recorder<'a> {
         (recorder.series, recorder.point_series) = (series, point_series);
         (recorder.pending, recorder.carried) = (pending, carried);
         (recorder.vanished, recorder.fallbacks, recorder.beginnings) = (vanished, fallbacks, beginnings);
+        recorder.penetrations = penetrations;
         picture::write_series(&recorder.directory, &recorder.series)?;
         if recorder.directory.path(names::POINTS).exists() {
             recorder.write_point_series()?;
@@ -226,6 +238,7 @@ impl<'a> Recorder<'a> {
             carried: BTreeSet::new(),
             vanished: BTreeMap::new(),
             fallbacks: BTreeMap::new(),
+            penetrations: BTreeMap::new(),
             watcher,
         }
     }
@@ -289,6 +302,7 @@ impl<'a> Recorder<'a> {
         let iterations = super::read_history(&self.directory.path(names::ITERATIONS))?;
         summary.increments_rounded = history::rounded(&history, &iterations);
         summary.fallbacks.clone_from(&self.fallbacks);
+        summary.penetrations.clone_from(&self.penetrations);
         let at_start = self.beginnings.iter().flat_map(Beginning::warnings);
         summary.warnings = at_start.chain(summary.shortcomings()).collect();
         summary.linear_bytes = self.linear_bytes;
@@ -340,16 +354,23 @@ impl<'a> Recorder<'a> {
             let most = fallbacks.entry(interface.clone()).or_default();
             *most = most.max(*found);
         }
+        let mut penetrations = self.penetrations.clone();
+        for (interface, found) in &record.penetrations {
+            let most = penetrations.entry(interface.clone()).or_default();
+            *most = most.max(*found);
+        }
         let before = (
             std::mem::replace(&mut self.state, state.clone()),
             std::mem::replace(&mut self.pending, pending),
             std::mem::replace(&mut self.carried, carried),
             std::mem::replace(&mut self.vanished, vanished),
             std::mem::replace(&mut self.fallbacks, fallbacks),
+            std::mem::replace(&mut self.penetrations, penetrations),
         );
         let written = self.write_increment(record, problem, is_shown.then_some(fields));
         if let Err(error) = written {
-            (self.state, self.pending, self.carried, self.vanished, self.fallbacks) = before;
+            (self.state, self.pending, self.carried, self.vanished, self.fallbacks, self.penetrations) =
+                before;
             for series in [&mut self.series, &mut self.point_series] {
                 series.retain(|&(known, _)| known <= self.state.increments);
             }

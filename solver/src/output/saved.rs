@@ -9,7 +9,7 @@ use serde::{Deserialize, Serialize};
 
 use super::directory::Directory;
 use super::{OutputError, Recorder, RecorderOptions, Skin, SlaveFields, history, names, seal};
-use crate::contact::{Beginning, Fallbacks};
+use crate::contact::{Beginning, Fallbacks, Penetration};
 use crate::model::Model;
 use crate::report;
 use crate::statics::{Problem, State};
@@ -42,6 +42,9 @@ pub struct Saved {
     /// Of each interface the most slaves at the end of an increment whose masters do not carry the fit that was asked for.
     #[serde(default)]
     pub(super) fallbacks: BTreeMap<String, Fallbacks>,
+    /// Of each interface the most slaves deep below their masters at the end of an increment, and how deep.
+    #[serde(default)]
+    pub(super) penetrations: BTreeMap<String, Penetration>,
     /// How the interfaces lay at the start.
     pub(super) beginnings: Vec<Beginning>,
 }
@@ -57,6 +60,7 @@ struct Saving<'a> {
     carried: &'a BTreeSet<String>,
     vanished: &'a BTreeMap<String, f64>,
     fallbacks: &'a BTreeMap<String, Fallbacks>,
+    penetrations: &'a BTreeMap<String, Penetration>,
     beginnings: &'a [Beginning],
 }
 
@@ -107,7 +111,9 @@ impl Recorder<'_> {
     }
 
     pub(super) fn write_state(&self) -> Result<(), OutputError> {
-        let Self { fingerprint, state, pending, carried, vanished, fallbacks, beginnings, .. } = self;
+        let Self {
+            fingerprint, state, pending, carried, vanished, fallbacks, penetrations, beginnings, ..
+        } = self;
         let instructions = instructions();
         let saving = Saving {
             deck: seal::digest(&self.options.deck),
@@ -118,6 +124,7 @@ impl Recorder<'_> {
             carried,
             vanished,
             fallbacks,
+            penetrations,
             beginnings,
         };
         self.directory.write(names::STATE, |writer| {

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use diffuse_contact_mesh::names::shown;
 use serde::{Deserialize, Serialize};
 
-use crate::contact::{Beginning, Fallbacks};
+use crate::contact::{Beginning, Fallbacks, Penetration};
 use crate::deck::Deck;
 use crate::material::Material;
 use crate::model::Model;
@@ -70,6 +70,10 @@ pub struct Summary {
     /// it is in [`interfaces`](Self::interfaces).
     #[serde(default)]
     pub fallbacks: BTreeMap<String, Fallbacks>,
+    /// Of each interface the most slaves that were deeper below their masters than 5 % of the size of their facets at the end of an increment,
+    /// and the deepest of any; interfaces without any are left out.
+    #[serde(default)]
+    pub penetrations: BTreeMap<String, Penetration>,
     /// How the slaves of each interface lay at the start, with its penalty.
     #[serde(default)]
     pub interfaces: Vec<Beginning>,
@@ -124,6 +128,9 @@ pub struct PartSummary {
     pub nodes: usize,
     /// Its elements; 0 if it is rigid.
     pub elements: usize,
+    /// Those with incompatible modes: in a mesh of several kinds hexahedra with 8 nodes alone have them.
+    #[serde(default)]
+    pub incompatible_modes: usize,
     /// Its material; `None` if it is rigid.
     pub material: Option<Material>,
 }
@@ -156,6 +163,14 @@ impl Summary {
             most.warnings(start.fallbacks, &start.interface, slaves)
                 .into_iter()
                 .map(|one| format!("in an increment, {one}"))
+        })
+    }
+
+    /// Slaves that were deep below their masters, in sentences.
+    fn deep_slaves(&self) -> impl Iterator<Item = String> {
+        self.interfaces.iter().filter_map(|start| {
+            let found = self.penetrations.get(&start.interface)?;
+            Some(found.warning(&start.interface, start.penalty))
         })
     }
 
@@ -214,7 +229,7 @@ impl Summary {
             )
         });
         let counted = counted.map(|(count, what)| format!("{count} {what}"));
-        counted.chain(idle).chain(vanished).chain(self.new_fallbacks()).collect()
+        counted.chain(idle).chain(vanished).chain(self.deep_slaves()).chain(self.new_fallbacks()).collect()
     }
 }
 
@@ -225,6 +240,8 @@ fn parts(model: &Model) -> Vec<PartSummary> {
             name: name.to_owned(),
             nodes: model.node_sets.get(name).map_or(0, Vec::len),
             elements: body.map_or(0, |body| body.elements.len()),
+            incompatible_modes: body
+                .map_or(0, |body| body.elements.iter().filter(|cell| cell.incompatible_modes).count()),
             material: body.map(|body| body.material),
         }
     };

@@ -98,8 +98,10 @@ function summary() {
   table("summary", rows.map(([name, value]) => [name, ...runs.map(value)]));
   const material = ({ young, poisson, model, plasticity: yields }) =>
     `${model === "neo-hooke" ? "neo-Hooke, " : ""}E\u00a0${precise(young)}, ν\u00a0${precise(poisson)}${yields ? `, yield stress ${precise(yields.yield_stress)}, hardening ${precise(yields.hardening)}` : ""}`;
+  const elements = ({ elements: all, incompatible_modes: modes }) =>
+    modes ? `${all}, with incompatible modes ${modes === all ? "all" : modes}` : all || "";
   const parts = (run) => [
-    ...run.summary.parts.map((part) => [part.name, part.nodes, part.elements || "", part.material ? material(part.material) : "rigid"]),
+    ...run.summary.parts.map((part) => [part.name, part.nodes, elements(part), part.material ? material(part.material) : "rigid"]),
     ...run.summary.interfaces.map((each) => [each.interface, "", "", `penalty\u00a0${precise(each.penalty)}${each.adjusted ? `, ${each.adjusted[0]} of ${each.slaves} slaves moved into touch` : ""}`]),
   ];
   // Runs of the same mesh share their lines.

@@ -24,6 +24,7 @@ mod reference;
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::ops::Range;
+use std::sync::OnceLock;
 
 use rayon::prelude::*;
 
@@ -55,6 +56,8 @@ pub struct Solid {
     /// For each element where its numbers begin, and the end.
     starts: Vec<Start>,
     bodies: Vec<BodyElements>,
+    /// What [`parts`](Self::parts) found.
+    parts: OnceLock<Vec<(String, Vec<usize>)>>,
 }
 
 /// Where the numbers of an element begin.
@@ -164,7 +167,7 @@ impl Solid {
             Some(*end)
         });
         let starts = std::iter::once(Start::default()).chain(ends).collect();
-        Ok(Self { nodes: nodes.len(), elements, starts, bodies: parts })
+        Ok(Self { nodes: nodes.len(), elements, starts, bodies: parts, parts: OnceLock::new() })
     }
 
     /// Number of elements.
@@ -219,7 +222,11 @@ impl Solid {
     /// What elements hold together: the bodies by their names in the deck, with their nodes. Pieces of a body that share no node are parts of
     /// their own, named by a node of theirs.
     #[must_use]
-    pub fn parts(&self) -> Vec<(String, Vec<usize>)> {
+    pub fn parts(&self) -> &[(String, Vec<usize>)] {
+        self.parts.get_or_init(|| self.find_parts())
+    }
+
+    fn find_parts(&self) -> Vec<(String, Vec<usize>)> {
         let mut parts = Vec::new();
         for body in &self.bodies {
             let pieces = pieces(&self.elements[body.elements.clone()]);

@@ -440,6 +440,7 @@ impl<'a> Increment<'a> {
             lost: problem.contacts().lost(way).count(),
             vanished: problem.contacts().vanished(way).map(named).collect(),
             fallbacks: problem.contacts().fallbacks().collect(),
+            penetrations: problem.contacts().penetrations().collect(),
             missed: problem.contacts().missed(),
             supposed: problem.supposed,
             stabilised: problem.stabilised,

@@ -138,7 +138,7 @@ impl Problem {
 
     /// The parts that nothing holds.
     pub(super) fn loose(&self, system: &Assembled, positions: &[[f64; 3]]) -> Vec<Loose> {
-        loose_parts(&system.matrix, &self.equations, positions, &self.solid.parts())
+        loose_parts(&system.matrix, &self.equations, positions, self.solid.parts())
     }
 
     /// The stiffness of everything at the last evaluation, contacts with this tangent or with their own.
@@ -193,10 +193,10 @@ impl Problem {
         let mut right = vec![[0.0; 3]; self.start.len()];
         system.matrix.multiply(&step, &mut right);
         if let Some(operator) = &system.operator {
-            operator.add_product(&step, &mut right).map_err(|entry| {
+            operator.add_product(&step, &mut right).map_err(|(entry, value)| {
                 let (node, axis) = (entry / 3, entry % 3);
                 let equation = self.equations.number(node, axis).unwrap_or(0);
-                SystemError::NotFinite { equation, node, axis, value: right[node][axis] }
+                SystemError::NotFinite { equation, node, axis, value }
             })?;
         }
         for (right, force) in right.as_flattened_mut().iter_mut().zip(&system.imbalance) {
@@ -211,7 +211,8 @@ impl Problem {
         let Assembled { matrix, symmetry, .. } = system;
         let operator = system.operator.as_ref().map(|operator| operator as &dyn Operator);
         let (equations, symmetry) = (&self.equations, *symmetry);
-        let whole = LinearSystem { matrix, operator, equations, symmetry, geometry };
+        let has_friction = self.contacts.has_friction();
+        let whole = LinearSystem { matrix, operator, equations, symmetry, has_friction, geometry };
         let solved = self.solver.solve(&whole, &right, accuracy, &mut solution);
         self.timing.linear += begin.elapsed();
         let report = solved?;

@@ -80,9 +80,10 @@ pub fn loose_parts(
     positions: &[[f64; 3]],
     parts: &[(String, Vec<usize>)],
 ) -> Vec<Loose> {
-    let find = |group: &[usize]| {
+    let mut whole = vec![[0.0; 3]; positions.len()];
+    let mut find = |group: &[usize]| {
         let nodes: Vec<usize> = group.iter().flat_map(|&part| &parts[part].1).copied().collect();
-        let motions = free_motions(matrix, equations, positions, &nodes);
+        let motions = free_motions(matrix, equations, positions, &nodes, &mut whole);
         let parts = group.iter().map(|&part| parts[part].0.clone()).collect();
         (!motions.is_empty()).then_some(Loose { parts, motions })
     };
@@ -116,30 +117,31 @@ fn groups(matrix: &BlockMatrix, parts: &[(String, Vec<usize>)]) -> Vec<Vec<usize
     (0..parts.len()).map(|least| (0..parts.len()).filter(|&part| group[part] == least).collect()).collect()
 }
 
-/// The rigid motions of some nodes that cost no force.
+/// The rigid motions of some nodes that cost no force. `whole`: zeros for all nodes, before and after.
 fn free_motions(
     matrix: &BlockMatrix,
     equations: &Equations,
     positions: &[[f64; 3]],
     nodes: &[usize],
+    whole: &mut [[f64; 3]],
 ) -> Vec<RigidMotion> {
     let rigid = RigidModes::of(equations, positions, nodes);
     let modes = &rigid.modes;
-    let dot = |a: &[[f64; 3]], b: &[[f64; 3]]| dot(nodes, a, b);
     // Where much is prescribed, modes may be the same motion of what is free.
-    let mut product = vec![[0.0; 3]; positions.len()];
     let (mut gram, mut stiffness, mut largest) = (Matrix6::zeros(), Matrix6::zeros(), 0.0_f64);
     for column in 0..6 {
-        matrix.multiply_moduli(&modes[column], &mut product);
-        let moduli =
-            nodes.iter().map(|&n| (0..3).map(|i| modes[column][n][i].abs() * product[n][i]).sum::<f64>());
+        nodes.iter().zip(&modes[column]).for_each(|(&node, moved)| whole[node] = *moved);
+        let moduli = matrix.multiply_moduli_rows(nodes, whole);
+        let products = modes[column].iter().zip(&moduli);
+        let moduli = products.map(|(moved, row)| (0..3).map(|i| moved[i].abs() * row[i]).sum::<f64>());
         largest = largest.max(moduli.sum());
-        matrix.multiply(&modes[column], &mut product);
+        let product = matrix.multiply_rows(nodes, whole);
         for row in 0..6 {
             gram[(row, column)] = dot(&modes[row], &modes[column]);
             stiffness[(row, column)] = dot(&modes[row], &product);
         }
     }
+    nodes.iter().for_each(|&node| whole[node] = [0.0; 3]);
     if !(largest > 0.0 && largest.is_finite()) {
         return Vec::new();
     }
@@ -160,15 +162,14 @@ fn free_motions(
     free.iter().map(|vector| rigid.motion(vector, extent)).collect()
 }
 
-/// The product of two vectors over these nodes.
-fn dot(nodes: &[usize], a: &[[f64; 3]], b: &[[f64; 3]]) -> f64 {
-    nodes.iter().map(|&n| Vector3::from(a[n]).dot(&Vector3::from(b[n]))).sum()
+fn dot(a: &[[f64; 3]], b: &[[f64; 3]]) -> f64 {
+    a.iter().zip(b).map(|(&a, &b)| Vector3::from(a).dot(&Vector3::from(b))).sum()
 }
 
 /// The rigid motions of some nodes: three along axes, three about axes through their centre.
 struct RigidModes {
     centre: Vector3<f64>,
-    /// What each moves the unknowns by, of length 1; nothing of one that is held as a whole.
+    /// What each moves the unknowns of these nodes by, of length 1; nothing of one that is held as a whole.
     modes: [Vec<[f64; 3]>; 6],
     /// Their lengths before.
     sizes: [f64; 6],
@@ -179,16 +180,16 @@ impl RigidModes {
         let at = |node: usize| Vector3::from(positions[node]);
         let centre = nodes.iter().map(|&node| at(node)).sum::<Vector3<f64>>() / nodes.len().max(1) as f64;
         let mut sizes = [0.0; 6];
-        let mut modes: [Vec<[f64; 3]>; 6] = std::array::from_fn(|_| vec![[0.0; 3]; positions.len()]);
+        let mut modes: [Vec<[f64; 3]>; 6] = std::array::from_fn(|_| vec![[0.0; 3]; nodes.len()]);
         for (k, mode) in modes.iter_mut().enumerate() {
             let axis = Vector3::ith(k % 3, 1.0);
-            for &node in nodes {
+            for (&node, own) in nodes.iter().zip(mode.iter_mut()) {
                 let moved = if k < 3 { axis } else { axis.cross(&(at(node) - centre)) };
                 for i in (0..3).filter(|&i| equations.number(node, i).is_some()) {
-                    mode[node][i] = moved[i];
+                    own[i] = moved[i];
                 }
             }
-            sizes[k] = dot(nodes, mode, mode).sqrt();
+            sizes[k] = dot(mode, mode).sqrt();
             let factor = if sizes[k] > 0.0 { 1.0 / sizes[k] } else { 0.0 };
             mode.iter_mut().flatten().for_each(|x| *x *= factor);
         }

@@ -5,7 +5,7 @@ use std::time::Duration;
 use diffuse_contact::interface::FrictionReport;
 
 use super::{Failure, Problem, State};
-use crate::contact::{Fallbacks, Resultant};
+use crate::contact::{Fallbacks, Penetration, Resultant};
 
 /// Whether to go on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -120,6 +120,8 @@ pub struct IncrementRecord {
     pub vanished: Vec<(String, usize)>,
     /// Interfaces with slaves whose masters do not carry the fit that was asked for.
     pub fallbacks: Vec<(String, Fallbacks)>,
+    /// Interfaces with slaves deep below their masters, beside the size of their facets.
+    pub penetrations: Vec<(String, Penetration)>,
     /// Integration points of loaded faces that have a gap but carry no force.
     pub missed: usize,
     /// Linear solutions in which slaves near their masters were supposed to touch, as nothing else held a body.

@@ -53,11 +53,12 @@ impl Problem {
 
     /// Parts with contact that is noise.
     fn unloaded(&self, contact: &[f64], allowed: f64) -> Vec<Unloaded> {
-        let part = |(name, nodes): (String, Vec<usize>)| {
-            let (force, noise) = (norm(contact, &nodes), allowed + norm(&self.rounding, &nodes));
-            (force > 0.0 && force <= noise).then_some(Unloaded { name, nodes, force, noise })
+        let part = |(name, nodes): &(String, Vec<usize>)| {
+            let (force, noise) = (norm(contact, nodes), allowed + norm(&self.rounding, nodes));
+            let unloaded = || Unloaded { name: name.clone(), nodes: nodes.clone(), force, noise };
+            (force > 0.0 && force <= noise).then(unloaded)
         };
-        self.solid.parts().into_iter().filter_map(part).collect()
+        self.solid.parts().iter().filter_map(part).collect()
     }
 
     /// What would be loose without friction, with all contact of these parts closed.

@@ -13,7 +13,8 @@ const DIRECT_UP_TO: usize = 250_000;
 /// What a deck asks for.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum LinearSolverChoice {
-    /// By the number of equations; factors for a matrix that is not symmetric as long as they fit into a few gigabytes.
+    /// By the number of equations; factors for a matrix with friction as long as they fit into a few gigabytes. What the factors of do not
+    /// fit into memory is solved iteratively.
     #[default]
     Auto,
     /// Sparse factors, exact to rounding: their memory grows faster than the number of equations.
@@ -48,6 +49,8 @@ pub struct LinearSystem<'a> {
     pub equations: &'a Equations,
     /// What is known of the matrix.
     pub symmetry: Symmetry,
+    /// Whether friction is in it, where restarted GMRES may stand still.
+    pub has_friction: bool,
     /// For the preconditioner.
     pub geometry: Geometry<'a>,
 }
@@ -74,30 +77,37 @@ pub enum LinearReport {
     },
 }
 
-/// Solves systems directly or iteratively. What it keeps from one to the next is the symbolic factorisation alone.
+/// Solves systems directly or iteratively. What it keeps from one to the next is the symbolic factorisation, and whether factors were too
+/// large.
 #[derive(Default)]
 pub struct LinearSolver {
     choice: LinearSolverChoice,
     direct: DirectSolver,
+    /// Whether factors were too large for the machine where there is another way: they are not tried again.
+    is_too_large: bool,
 }
 
 impl LinearSolver {
     /// `threads`: those of factorisations; products use those of the current rayon pool.
     #[must_use]
     pub fn new(choice: LinearSolverChoice, threads: usize) -> Self {
-        Self { choice, direct: DirectSolver::new(threads) }
+        Self { choice, direct: DirectSolver::new(threads), is_too_large: false }
     }
 
     /// Takes another choice.
     pub fn choose(&mut self, choice: LinearSolverChoice) {
-        self.choice = choice;
+        (self.choice, self.is_too_large) = (choice, false);
     }
 
-    /// Whether symmetric systems of so many equations are solved iteratively.
+    /// Whether systems of so many equations without friction are solved iteratively.
     #[must_use]
     pub fn is_iterative(&self, equations: &Equations) -> bool {
+        self.takes_iterations(equations.len())
+    }
+
+    fn takes_iterations(&self, equations: usize) -> bool {
         match self.choice {
-            LinearSolverChoice::Auto => equations.len() >= ITERATIVE_FROM,
+            LinearSolverChoice::Auto => equations >= ITERATIVE_FROM || self.is_too_large,
             LinearSolverChoice::Direct => false,
             LinearSolverChoice::Iterative => true,
         }
@@ -125,24 +135,42 @@ impl LinearSolver {
         accuracy: Accuracy,
         solution: &mut Vec<[f64; 3]>,
     ) -> Result<LinearReport, SystemError> {
-        let &LinearSystem { operator, equations, symmetry, .. } = system;
-        let may_be_direct = operator.is_none() && equations.len() <= DIRECT_UP_TO;
-        // Restarted GMRES may stand still where contact is stiff and has friction.
-        let is_better_direct =
-            self.choice == LinearSolverChoice::Auto && symmetry == Symmetry::General && may_be_direct;
-        if is_better_direct || operator.is_none() && !self.is_iterative(equations) {
-            return self.solve_directly(system, rhs, solution).map(|()| LinearReport::Direct);
-        }
-        match solve_iteratively(system, rhs, accuracy, solution) {
-            Ok(IterativeReport { iterations, size, bytes, .. }) => {
-                Ok(LinearReport::Iterative { iterations, size, bytes })
+        let &LinearSystem { operator, equations, symmetry, has_friction, .. } = system;
+        let may_stand_still = symmetry == Symmetry::General && has_friction;
+        if operator.is_none() && self.takes_factors(equations.len(), may_stand_still) {
+            match self.solve_directly(system, rhs, solution) {
+                Err(SystemError::TooLarge { .. }) if self.choice == LinearSolverChoice::Auto => {
+                    self.is_too_large = true;
+                }
+                solved => return solved.map(|()| LinearReport::Direct),
             }
-            Err(SystemError::NotConverged { iterations, .. }) if may_be_direct => {
-                self.solve_directly(system, rhs, solution)?;
-                Ok(LinearReport::Instead { iterations })
+        }
+        let unsolved = match solve_iteratively(system, rhs, accuracy, solution) {
+            Ok(IterativeReport { iterations, size, bytes, .. }) => {
+                return Ok(LinearReport::Iterative { iterations, size, bytes });
+            }
+            Err(error) => error,
+        };
+        let SystemError::NotConverged { iterations, .. } = unsolved else { return Err(unsolved) };
+        if operator.is_some() || self.is_too_large || equations.len() > DIRECT_UP_TO {
+            return Err(unsolved);
+        }
+        match self.solve_directly(system, rhs, solution) {
+            Ok(()) => Ok(LinearReport::Instead { iterations }),
+            // A shorter increment may do with iterations.
+            Err(SystemError::TooLarge { .. }) => {
+                self.is_too_large = true;
+                Err(unsolved)
             }
             Err(error) => Err(error),
         }
+    }
+
+    /// Whether factors come first for so many equations of a matrix that has some.
+    fn takes_factors(&self, equations: usize, may_stand_still: bool) -> bool {
+        let is_better =
+            self.choice == LinearSolverChoice::Auto && may_stand_still && equations <= DIRECT_UP_TO;
+        !self.is_too_large && is_better || !self.takes_iterations(equations)
     }
 
     fn solve_directly(
@@ -153,5 +181,27 @@ impl LinearSolver {
     ) -> Result<(), SystemError> {
         self.direct.factorise(system.matrix, system.equations, system.symmetry)?;
         self.direct.solve(rhs, solution).map(drop)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Factors of 144,000 equations take gigabytes and minutes: only friction, where iterations may be in vain, is worth them.
+    #[test]
+    fn factors_of_large_systems_are_for_friction_alone() {
+        let mut solver = LinearSolver::new(LinearSolverChoice::Auto, 1);
+        let found = [10_000, 144_000, 300_000].map(|equations| {
+            [false, true].map(|may_stand_still| solver.takes_factors(equations, may_stand_still))
+        });
+        assert_eq!(found, [[true, true], [false, true], [false, false]]);
+        solver.is_too_large = true;
+        assert!([10_000, 144_000].iter().all(|&equations| !solver.takes_factors(equations, true)));
+        // Who asks for factors gets them, or is told.
+        solver.choose(LinearSolverChoice::Direct);
+        assert!(solver.takes_factors(300_000, false));
+        solver.choose(LinearSolverChoice::Iterative);
+        assert!(!solver.takes_factors(10_000, true));
     }
 }

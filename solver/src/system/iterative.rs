@@ -98,7 +98,7 @@ pub fn solve_iteratively(
     accuracy: Accuracy,
     x: &mut Vec<[f64; 3]>,
 ) -> Result<IterativeReport, SystemError> {
-    let &LinearSystem { matrix, operator, equations, symmetry, geometry } = system;
+    let &LinearSystem { matrix, operator, equations, symmetry, geometry, .. } = system;
     let residual = checked(matrix, equations, rhs)?;
     let nodes = rhs.len();
     let scale = norm(&residual);
@@ -180,10 +180,10 @@ impl System<'_> {
     fn multiply(&self, x: &[[f64; 3]], y: &mut [[f64; 3]]) -> Result<(), SystemError> {
         self.matrix.multiply(x, y);
         if let Some(operator) = self.operator {
-            operator.add_product(x, y).map_err(|entry| {
+            operator.add_product(x, y).map_err(|(entry, value)| {
                 let (node, axis) = (entry / 3, entry % 3);
                 let equation = self.equations.number(node, axis).unwrap_or(0);
-                SystemError::NotFinite { equation, node, axis, value: y[node][axis] }
+                SystemError::NotFinite { equation, node, axis, value }
             })?;
         }
         self.equations.clear_prescribed(y);

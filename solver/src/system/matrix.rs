@@ -5,7 +5,7 @@ use std::sync::Arc;
 use rayon::prelude::*;
 
 use super::contact_rows::SavedRows;
-use super::multigrid::View;
+use super::multigrid::{View, add_product};
 use super::{BlockPattern, Equations, SystemError};
 
 /// A 3 × 3 block for each pair of nodes of a pattern, [row axis][column axis]. Both halves are stored.
@@ -173,17 +173,45 @@ impl BlockMatrix {
     pub fn multiply_moduli(&self, x: &[[f64; 3]], y: &mut [[f64; 3]]) {
         assert_eq!(x.len(), self.pattern.nodes(), "entries of x");
         assert_eq!(y.len(), self.pattern.nodes(), "entries of y");
+        let rows = y.par_iter_mut().enumerate().with_min_len(1024);
+        rows.for_each(|(node, result)| *result = self.row_of_moduli(node, x));
+    }
+
+    /// The rows of K x of some nodes, in their order.
+    ///
+    /// # Panics
+    /// If the length of x is wrong, or there is no such node.
+    #[must_use]
+    pub fn multiply_rows(&self, nodes: &[usize], x: &[[f64; 3]]) -> Vec<[f64; 3]> {
+        assert_eq!(x.len(), self.pattern.nodes(), "entries of x");
         let view = self.view();
-        y.par_iter_mut().enumerate().with_min_len(1024).for_each(|(node, result)| {
+        let row = |&node: &usize| {
             let mut sum = [0.0; 3];
-            for (column, block) in view.row(node) {
-                let x = x[column].map(f64::abs);
-                for i in 0..3 {
-                    sum[i] += block[i][0].abs() * x[0] + block[i][1].abs() * x[1] + block[i][2].abs() * x[2];
-                }
+            view.row(node).for_each(|(column, block)| add_product(&mut sum, block, &x[column]));
+            sum
+        };
+        nodes.par_iter().with_min_len(1024).map(row).collect()
+    }
+
+    /// The rows of |K| |x| of some nodes, in their order.
+    ///
+    /// # Panics
+    /// As [`multiply_rows`](Self::multiply_rows).
+    #[must_use]
+    pub fn multiply_moduli_rows(&self, nodes: &[usize], x: &[[f64; 3]]) -> Vec<[f64; 3]> {
+        assert_eq!(x.len(), self.pattern.nodes(), "entries of x");
+        nodes.par_iter().with_min_len(1024).map(|&node| self.row_of_moduli(node, x)).collect()
+    }
+
+    fn row_of_moduli(&self, node: usize, x: &[[f64; 3]]) -> [f64; 3] {
+        let mut sum = [0.0; 3];
+        for (column, block) in self.view().row(node) {
+            let x = x[column].map(f64::abs);
+            for i in 0..3 {
+                sum[i] += block[i][0].abs() * x[0] + block[i][1].abs() * x[1] + block[i][2].abs() * x[2];
             }
-            *result = sum;
-        });
+        }
+        sum
     }
 
     /// Its rows of some nodes, given in ascending order.

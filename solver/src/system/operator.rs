@@ -5,8 +5,8 @@ pub trait Operator {
     /// y ← y + A x
     ///
     /// # Errors
-    /// The entry of y, three for a node, that is not finite. What y holds is then unspecified.
-    fn add_product(&self, x: &[[f64; 3]], y: &mut [[f64; 3]]) -> Result<(), usize>;
+    /// An entry of x or of y, three for a node, that is not finite, and its value. What y holds is then unspecified.
+    fn add_product(&self, x: &[[f64; 3]], y: &mut [[f64; 3]]) -> Result<(), (usize, f64)>;
 
     /// Memory, bytes.
     fn bytes(&self) -> usize;

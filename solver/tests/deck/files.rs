@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 
 use super::*;
 use crate::model::TWO_CUBES;
+use diffuse_contact_solver::output::Summary;
 
 /// A folder with a file of two cubes with these elements.
 fn two_cubes(name: &str, elements: &str) -> PathBuf {
@@ -135,6 +136,23 @@ fn incompatible_modes_come_from_the_file_or_the_deck() {
     // A run goes on with the elements it began with.
     let fingerprint = |part: &str| model(part).fingerprint();
     assert_ne!(fingerprint("file = \"two.inp\""), fingerprint("file = \"two.inp\"\nelement = \"hex8\""));
+    // Among elements of several kinds those that are meant are counted.
+    let wedges =
+        ["2, 2, 9, 10, 6, 11, 12", "3, 2, 10, 3, 6, 12, 7", "4, 1, 2, 3, 5, 6, 7", "5, 1, 3, 4, 5, 7, 8"];
+    let file = |elements: &str| {
+        std::fs::write(directory.join("wedges.inp"), format!("{TWO_CUBES}{elements}")).unwrap();
+        "file = \"wedges.inp\"\nelement = \"hex8i\""
+    };
+    let mixed =
+        ["*ELEMENT, TYPE=C3D8\n1, 1, 2, 3, 4, 5, 6, 7, 8\n*ELEMENT, TYPE=C3D6", wedges[0], wedges[1], ""];
+    let part = file(&mixed.join("\n"));
+    assert_eq!(modes(part), [true, false, false]);
+    let summary = Summary::new(&Deck::parse(&text(part)).unwrap(), &model(part));
+    assert_eq!((summary.parts[0].elements, summary.parts[0].incompatible_modes), (3, 1));
+    // A part without any would be left as it is, without a word.
+    let part = file(&format!("*ELEMENT, TYPE=C3D6\n{}\n", wedges.join("\n")));
+    let error = Deck::parse(&text(part)).unwrap().model(&directory).unwrap_err().to_string();
+    assert!(error.contains("parts.two.element says what hexahedra with 8 nodes are"), "{error}");
     let error = Deck::parse(&text("file = \"two.inp\"\nelement = \"hex20\"")).unwrap_err().to_string();
     assert!(error.contains("hex8i"), "{error}");
     std::fs::remove_dir_all(&directory).unwrap();

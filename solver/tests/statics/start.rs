@@ -1,7 +1,7 @@
 //! Starts: bodies exactly in touch or a little apart, a penalty that nobody gave, parts that nothing holds.
 
 use super::*;
-use diffuse_contact_solver::contact::AdjustError;
+use diffuse_contact_solver::contact::{AdjustError, Beginning};
 use diffuse_contact_solver::deck::{DeckError, Problem as Wrong};
 use diffuse_contact_solver::model::AdjustedNode;
 
@@ -320,6 +320,55 @@ integration = "{integration}"
     assert!(text.contains("beyond the master's border") && text.contains("border_tolerance"), "{text}");
 }
 
+/// Plates of a fifth of a facet's size: one moves beyond the other at once, by less than half of a facet. A shorter increment bends it.
+#[test]
+fn a_plate_does_not_go_through_a_thin_one() {
+    let deck = |sides: &str| {
+        format!(
+            r#"
+[materials.steel]
+young = 200000.0
+poisson = 0.3
+[parts.lower]
+shape = "box"
+size = [6.0, 3.0, 0.2]
+divisions = [6, 3, 1]
+element = "hex8i"
+material = "steel"
+[parts.upper]
+shape = "box"
+origin = [2.0, 1.0, 0.22]
+size = [2.0, 1.0, 0.2]
+divisions = [2, 1, 1]
+material = "steel"
+[[boundary]]
+nodes = ["lower.x-", "lower.x+"]
+fix = ["x", "y", "z"]
+[[boundary]]
+nodes = "upper"
+translate = [0.0, 0.0, -0.3]
+[[interface]]
+name = "joint"
+{sides}
+integration = "faces"
+"#
+        )
+    };
+    for sides in ["master = \"lower\"\nslave = \"upper.z-\"", "self = [\"lower\", \"upper\"]"] {
+        let (notes, state, _) = run(&deck(sides), "[time]\nincrement = 1.0\nminimum = 0.01");
+        assert!(
+            notes.reasons.first().is_some_and(|reason| reason.contains("Through")),
+            "{:?}",
+            notes.reasons
+        );
+        let last = notes.increments.last().unwrap();
+        assert!(last.active > 0 && last.lost == 0 && state.time == 1.0, "{last:?}");
+        // The middle goes along with the upper plate.
+        let down = state.positions.iter().map(|x| x[2]).fold(f64::INFINITY, f64::min);
+        assert!((-0.35..-0.25).contains(&down), "{down}");
+    }
+}
+
 /// With a stabilisation what no load moves stays where it is, and forces are what they are without.
 #[test]
 fn stabilisation_holds_what_no_load_moves() {
@@ -455,6 +504,97 @@ adjust = 0.02
     // Nothing is that near.
     let far = format!("{}\n{TIME}", RINGS.replace("adjust = 0.02", "adjust = 1e-4"));
     assert!(Deck::parse(&far).unwrap().model("").unwrap().adjusted.is_empty());
+}
+
+/// Blocks on a slope, 0.01 apart, one with a side that a plane of symmetry holds: slaves are moved by what is free of the normal. The slaves of
+/// that side have half of it on a slope of 60°; on one of 80° they would slide far, and stay.
+#[test]
+fn slaves_that_are_held_in_part_are_adjusted_along_what_is_free() {
+    let blocks = |degrees: f64| {
+        let turned =
+            format!("material = \"m\"\nrotate = {{ axis = [0.0, 1.0, 0.0], degrees = {degrees:?} }}");
+        format!(
+            r#"
+[materials.m]
+young = 1000.0
+poisson = 0.3
+[parts.lower]
+shape = "box"
+size = [2.0, 2.0, 1.0]
+divisions = [2, 2, 1]
+{turned}
+[parts.upper]
+shape = "box"
+origin = [0.5, 0.5, 1.01]
+size = [1.0, 1.0, 1.0]
+divisions = [2, 2, 1]
+{turned}
+[[boundary]]
+nodes = "lower"
+fix = ["x", "y", "z"]
+[[boundary]]
+nodes = "upper.x-"
+fix = ["x"]
+[[interface]]
+name = "slope"
+master = "lower.z+"
+slave = "upper.z-"
+adjust = 0.05
+"#
+        )
+    };
+    for (degrees, moved) in [(60.0, 9), (80.0, 6)] {
+        let (deck, model) = deck(&blocks(degrees), TIME);
+        let found = (model.adjusted.len(), model.not_adjusted["slope"]);
+        assert_eq!(found, (moved, 9 - moved));
+        let mut statics = statics(&deck, &model);
+        let start = statics.problem().start();
+        statics.look_at_contacts(&start).unwrap();
+        let contact = &statics.problem().contacts().interactions()[0];
+        for slave in contact.slaves() {
+            let gap = if model.adjusted.contains_key(&slave.node) { 0.0 } else { 0.01 };
+            assert!((slave.gap.unwrap() - gap).abs() < 1e-9, "{slave:?}");
+        }
+        let warnings = Beginning::of(contact, &model, statics.problem()).warnings();
+        let told = warnings.iter().any(|warning| warning.contains("3 slaves near the master are not moved"));
+        assert_eq!(told, moved == 6, "{warnings:?}");
+    }
+}
+
+/// A limit that is little beside the mean facet, and much beside the smallest, under which mesh gaps are as small.
+#[test]
+fn slaves_are_adjusted_by_little_beside_their_own_facets() {
+    const GRADED: &str = r#"
+[materials.m]
+young = 1000.0
+poisson = 0.3
+[parts.lower]
+shape = "box"
+size = [6.0, 3.0, 1.0]
+divisions = [6, 3, 1]
+material = "m"
+[parts.upper]
+shape = "box"
+origin = [1.0, 1.0, 1.01]
+size = [4.0, 1.0, 1.0]
+divisions = [4, 1, 1]
+grading = [16.0, 1.0, 1.0]
+material = "m"
+[[boundary]]
+nodes = "lower"
+fix = ["x", "y", "z"]
+[[interface]]
+name = "fit"
+master = "lower.z+"
+slave = "upper.z-"
+"#;
+    let adjusted = |limit: &str| {
+        let text = format!("{GRADED}adjust = {limit}\n{TIME}");
+        Deck::parse(&text).unwrap().model("").map(|model| model.adjusted.len())
+    };
+    assert_eq!(adjusted("0.05").unwrap(), 10);
+    let error = adjusted("0.2").unwrap_err().to_string();
+    assert!(error.contains("the limit of 2e-1 is more than a quarter of"), "{error}");
 }
 
 #[test]

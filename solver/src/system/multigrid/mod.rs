@@ -12,7 +12,7 @@ mod smoother;
 mod sparse;
 
 pub(super) use bottom::Bottom;
-pub(super) use sparse::{Block, Sparse, View, add_scaled, dot, norm, scale_and_add};
+pub(super) use sparse::{Block, Sparse, View, add_product, add_scaled, dot, norm, scale_and_add};
 
 use aggregates::Links;
 use level::{Coarse, Level, LevelOperator, MODES};

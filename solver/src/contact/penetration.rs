@@ -1,0 +1,45 @@
+//! How deep slaves that carry force lie below their masters, beside the mesh.
+
+use diffuse_contact_mesh::names::shown;
+use serde::{Deserialize, Serialize};
+
+/// Penetration over the size of the facets around a slave from which it is no longer well below the error of the mesh.
+const DEEP: f64 = 0.05;
+
+/// Slaves of an interface, of both passes if there are two, that carry force deeper below the master than 5 % of the size of the facets around
+/// them.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
+pub struct Penetration {
+    /// How many.
+    pub slaves: usize,
+    /// The deepest of them, over the size of its facets.
+    pub part: f64,
+}
+
+impl Penetration {
+    /// Counts a slave that lies so deep, over the size of its facets.
+    pub(super) fn count(&mut self, part: f64) {
+        if part > DEEP {
+            (self.slaves, self.part) = (self.slaves + 1, self.part.max(part));
+        }
+    }
+
+    /// The larger of each.
+    #[must_use]
+    pub fn max(self, other: Self) -> Self {
+        Self { slaves: self.slaves.max(other.slaves), part: self.part.max(other.part) }
+    }
+
+    /// What to think of it, in a sentence about an interface with this penalty.
+    #[must_use]
+    pub fn warning(&self, interface: &str, penalty: f64) -> String {
+        let Self { slaves, part } = self;
+        format!(
+            "interface `{}`: up to {slaves} slaves ended an increment deeper below the master than 5 % of the size of their facets, by up to \
+             {:.1} %, with the penalty {penalty:.3e}: a stiffer one, or method = \"augmented-lagrangian\", lets them in less",
+            shown(interface),
+            100.0 * part
+        )
+    }
+}

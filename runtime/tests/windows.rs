@@ -432,6 +432,14 @@ fn windows_of_one_surface_join_and_others_are_refused() {
     other[gap.unwrap()] += 1;
     let other = Window::from_numbers(&other, &reals).unwrap();
     assert!(matches!(Window::joined(&[one.clone(), other]), Err(WindowError::Differs { what: "facet", .. })));
+    // An extent that is no number does not hide a domain that is none.
+    for place in [3, reals.len() - 1] {
+        let mut wrong = reals.clone();
+        (wrong[place], wrong[reals.len() - 2]) = (f64::NAN, f64::NAN);
+        let place = place.min(reals.len() - 2);
+        let error = WindowError::Invalid { what: "floating-point number", place };
+        assert_eq!(Window::from_numbers(&integers, &wrong), Err(error));
+    }
     let nodes = integers[5] as usize;
     assert_eq!(integers[5], integers[6], "no sharp edge");
     let mut wrong = integers.clone();

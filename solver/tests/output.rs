@@ -76,7 +76,7 @@ fn degrees(contact: Contact, rows: usize) -> (Vec<i32>, usize) {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../examples/patch_test.toml");
     let mut deck = Deck { contact, ..Deck::read(path).unwrap() };
     let divisions = deck.shape_mut("lower").unwrap().divisions_mut();
-    (divisions[0], divisions[1]) = (4, rows);
+    (divisions[0], divisions[1]) = (rows, rows);
     let model = deck.model(Path::new("")).unwrap();
     let slaves: BTreeSet<usize> = {
         let sides = deck.sides(&model, &deck.interfaces[0]).unwrap();

@@ -6,7 +6,8 @@
 //! each end of a rung, by its length.
 //!
 //! A rung is an edge inside a sheet around which all corners lie on the end of the sheet. A triangle has such edges along diagonals, too: of
-//! them only that counts which is the shortest of one of its triangles.
+//! them only that counts which is the shortest of one of its triangles. Where a strip ends with a quadrilateral the edge opposite to its rung
+//! is one as well.
 
 use super::sheet_nodes::SheetNodes;
 use super::topology::NONE;
@@ -131,6 +132,15 @@ struct Rungs<'a> {
 
 impl Rungs<'_> {
     fn of_edge(&self, facet: usize, edge: usize) -> Rung {
+        let is_quadrilateral = self.index.surface().corners_of(facet).len() == 4;
+        if self.creases.ends_at(facet, edge) && is_quadrilateral {
+            self.of_edge_inside(facet, (edge + 2) % 4)
+        } else {
+            self.of_edge_inside(facet, edge)
+        }
+    }
+
+    fn of_edge_inside(&self, facet: usize, edge: usize) -> Rung {
         match self.is_inside(facet, edge) {
             Some(true) => {}
             Some(false) => return Rung::No,

@@ -48,7 +48,7 @@ pub struct Size {
 impl Size {
     /// Bytes of a window with these boxes as numbers.
     pub fn bytes(self, boxes: usize, listed: u64) -> u64 {
-        let integers = 9 + 2 * self.nodes + 7 * self.facets + listed * self.core;
+        let integers = 10 + 2 * self.nodes + 7 * self.facets + listed * self.core;
         8 * (integers + 9 + 6 * boxes as u64 + 9 * self.nodes)
     }
 }

@@ -54,7 +54,7 @@ impl Stencil {
         Ok(Self {
             facets: rectangles(window.facets().map(|facet| place(facet, SIDE as u64))),
             // The last number of the header.
-            listed: integers[8] as u64,
+            listed: integers[9] as u64,
             carried: masters.len() as u64,
             coupled: coupled.len() as u64,
             masters: rectangles(masters),

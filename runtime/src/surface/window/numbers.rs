@@ -156,8 +156,10 @@ impl Header {
         if reals.len() != REALS + BOX * planes + BOX * boxes + NODE * sheet_nodes {
             return Err(invalid("floating-point number", reals.len()));
         }
-        if let Some(place) = reals.iter().position(|x| !x.is_finite())
-            && !(1..REALS - 1).contains(&place)
+        // Nothing has no extents.
+        let may_be_infinite = |place: usize| nodes == 0 && (1..REALS - 1).contains(&place);
+        if let Some((place, _)) =
+            reals.iter().enumerate().find(|&(place, x)| !(x.is_finite() || may_be_infinite(place)))
         {
             return Err(invalid("floating-point number", place));
         }

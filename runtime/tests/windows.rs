@@ -226,6 +226,33 @@ fn check_slaves(case: &Case, whole: &Scene, slaves: &[usize]) -> Part {
     part
 }
 
+/// A window knows where its core was: positions that an interface begins with do not make it a new one.
+#[test]
+fn an_old_window_says_so() {
+    let case = Case::new(&[]);
+    let mut whole = case.whole();
+    let slave = chosen(&case.slaves, &[3]);
+    let boxes = boxes_around(&slave, 2.0 * LIMIT, 1);
+    let old = whole.interface.window(&boxes, 0.05).unwrap();
+    let code = |window: &Window, all: &[Point]| {
+        let mut part = part(window, &slave, all, case.options);
+        part.interface.refresh_pairing(&part.positions).unwrap();
+        part.interface.evaluate(Mode::Value).unwrap().get(0).outcome.code()
+    };
+    assert_eq!(code(&old, &whole.positions), "contact");
+    for (by, expected) in [(0.04, "contact"), (0.06, "beyond-window")] {
+        let moved: Vec<Point> = whole.positions.iter().map(|&[x, y, z]| [x, y, z + by]).collect();
+        assert_eq!(code(&old, &moved), expected);
+    }
+    // Nor do windows of different moments go together.
+    whole.positions.iter_mut().for_each(|x| x[2] += 0.01);
+    whole.update();
+    let new = whole.interface.window(&boxes, 0.05).unwrap();
+    let differs =
+        |error: &WindowError| matches!(error, WindowError::Differs { what: "the position of node", .. });
+    assert!(differs(&Window::joined(&[old, new]).unwrap_err()));
+}
+
 #[test]
 fn a_window_too_narrow_says_so_and_gives_no_other_number() {
     let case = Case::new(&[]);

@@ -486,6 +486,7 @@ impl SurfacePart {
             setup: &self.setup,
             node_number: &|place| self.node_numbers[place as usize],
             facet_number: &|facet| self.facet_numbers[facet as usize],
+            position: &|place| positions[self.order[place as usize]],
         };
         Ok(sheet.window(core, boxes, skin))
     }

@@ -74,12 +74,14 @@ impl ContactInterface {
             setup: &setup,
             node_number: &|place| u64::from(self.master.nodes()[place as usize]),
             facet_number: &|facet| u64::from(facet),
+            position: &|place| self.positions[self.master.nodes()[place as usize] as usize],
         };
         Ok(sheet.window(core, boxes, skin))
     }
 
     /// An interface of slaves that know a window of the master surface only. As [`new`](Self::new), but the first positions are those of
-    /// the window's [nodes](Window::nodes), in their order and when the window was made; slaves come after them. Planes of symmetry and first positions
+    /// the window's [nodes](Window::nodes), in their order; slaves come after them. How far the core has moved since the window was made is
+    /// known from the window. Planes of symmetry and first positions
     /// are those of the window. Options of domains, which are weight, basis and feature angle, have to be those that it was made with.
     ///
     /// Results are those of an interface of the whole surface, bit for bit, or [`NoContact::BeyondWindow`]. A slave beyond the limit of

@@ -43,13 +43,15 @@ pub struct Size {
     pub core: u64,
     pub facets: u64,
     pub nodes: u64,
+    /// Corners of the core.
+    pub cut: u64,
 }
 
 impl Size {
     /// Bytes of a window with these boxes as numbers.
     pub fn bytes(self, boxes: usize, listed: u64) -> u64 {
         let integers = 10 + 2 * self.nodes + 7 * self.facets + listed * self.core;
-        8 * (integers + 9 + 6 * boxes as u64 + 9 * self.nodes)
+        8 * (integers + 9 + 6 * boxes as u64 + 9 * self.nodes + 3 * self.cut)
     }
 }
 
@@ -139,7 +141,8 @@ impl Scene {
     }
 
     pub fn size(&self, core: &[Rect], facets: &[Rect]) -> Size {
-        Size { core: count(core), facets: count(facets), nodes: count(&corners(facets)) }
+        let nodes = count(&corners(facets));
+        Size { core: count(core), facets: count(facets), nodes, cut: count(&corners(core)) }
     }
 
     /// Facets between slaves with a corner among these, and all their corners.

@@ -1,6 +1,6 @@
 //! What an interface of a window knows of the whole surface.
 
-use super::{Box3, Window};
+use super::{Box3, Window, core_places};
 use crate::Point;
 use crate::vector::Vector3;
 
@@ -74,15 +74,17 @@ impl Known {
 }
 
 impl Window {
-    /// What an interface of this window, made at these positions, knows of.
+    /// What an interface of this window, made at these positions, knows of. Its core has moved since the window was made.
     pub(crate) fn known(&self, positions: &[Point]) -> Known {
+        let mut start = positions[..self.nodes.len()].to_vec();
+        core_places(&self.facets).zip(&self.cut).for_each(|(place, x)| start[place as usize] = *x);
         Known {
             boxes: self.boxes.clone(),
             skin: self.skin,
             margin: BALL_MARGIN * self.setup.extents.facet,
             is_core: self.facets.iter().map(|facet| facet.core.is_some()).collect(),
             numbers: self.nodes().collect(),
-            start: positions[..self.nodes.len()].to_vec(),
+            start,
         }
     }
 }

@@ -31,7 +31,8 @@
 //!
 //! So a slave's pairing, gap, N and M are those of the whole surface, bit for bit, or it has the outcome
 //! [`BeyondWindow`](crate::interface::NoContact::BeyondWindow). That says that a ball around the slave as large as the distance of the
-//! closest facet known (the limit of the distance, where that is smaller) leaves the boxes, or that the window is older than its skin.
+//! closest facet known (the limit of the distance, where that is smaller) leaves the boxes, or that the window is older than its skin: its
+//! core has moved by more than that from where it was when the window was made, which travels with it.
 //! There is no other number.
 //!
 //! The width that follows: boxes reach beyond the slaves by the limit of the distance, or by the largest distance of a slave from the
@@ -101,6 +102,8 @@ pub struct Window {
     facets: Vec<WindowFacet>,
     /// Lists of the core's facets, one after another, by place among the sheet nodes and the auxiliary points after them.
     listed: Vec<Listed>,
+    /// Where the corners of the core's facets were when the window was made, by ascending place.
+    cut: Vec<Point>,
 }
 
 /// A node of a window, as one of the sheets that meet in it has it.
@@ -132,6 +135,8 @@ pub(crate) struct Sheet<'a> {
     pub setup: &'a Setup,
     pub node_number: &'a dyn Fn(u32) -> u64,
     pub facet_number: &'a dyn Fn(u32) -> u64,
+    /// Where the node at a place is at the moment; of corners of the core.
+    pub position: &'a dyn Fn(u32) -> Point,
 }
 
 impl Sheet<'_> {
@@ -186,7 +191,8 @@ impl Sheet<'_> {
                 core,
             }
         };
-        let facets = facets.iter().map(facet).collect();
+        let facets: Vec<WindowFacet> = facets.iter().map(facet).collect();
+        let cut = core_places(&facets).map(|place| (self.position)(places[place as usize])).collect();
         let window_node = |&node: &u32| WindowNode {
             place: place_of(&self.domains.place(node)),
             domain: *self.domains.domain(node),
@@ -194,8 +200,17 @@ impl Sheet<'_> {
         let sheet_nodes = sheet_nodes.iter().map(window_node).collect();
         let nodes = places.iter().map(|&place| (self.node_number)(place)).collect();
         let (setup, boxes) = (self.setup.clone(), boxes.to_vec());
-        Window { setup, boxes, skin, nodes, sheet_nodes, auxiliary, facets, listed }
+        Window { setup, boxes, skin, nodes, sheet_nodes, auxiliary, facets, listed, cut }
     }
+}
+
+/// The places of the corners of the core's facets, ascending.
+fn core_places(facets: &[WindowFacet]) -> impl Iterator<Item = u32> {
+    let core = facets.iter().filter(|facet| facet.core.is_some());
+    let mut places: Vec<u32> =
+        core.flat_map(|facet| facet.corners).filter(|&corner| corner != NONE).collect();
+    sort(&mut places);
+    places.into_iter()
 }
 
 /// A box with a skin around it.
@@ -253,7 +268,8 @@ impl Window {
     /// Windows for the same slaves from the owners of several parts of the surface, as one. The boxes and the skin have to be the same.
     ///
     /// # Errors
-    /// [`WindowError::Differs`] for windows of different surfaces, options, boxes or skins; [`WindowError::Invalid`] without a window.
+    /// [`WindowError::Differs`] for windows of different surfaces, options, boxes, skins or positions; [`WindowError::Invalid`] without a
+    /// window.
     pub fn joined(windows: &[Self]) -> Result<Self, WindowError> {
         let [first, others @ ..] = windows else {
             return Err(WindowError::Invalid { what: "part", place: 0 });
@@ -322,8 +338,20 @@ impl Window {
         facets.dedup_by_key(|(facet, _)| facet.number);
         let listed = facets.iter().flat_map(|(_, list)| list).copied().collect();
         let facets = facets.into_iter().map(|(facet, _)| facet).collect();
+        let own_cut = |(window, places): (&Self, &Vec<u32>)| -> Vec<(u32, Point)> {
+            let own = core_places(&window.facets).map(|place| places[place as usize]);
+            own.zip(window.cut.iter().copied()).collect()
+        };
+        let mut cut: Vec<(u32, Point)> = windows.iter().zip(&places).flat_map(own_cut).collect();
+        cut.sort_by_key(|&(place, _)| place);
+        if let Some(pair) = cut.windows(2).find(|pair| pair[0].0 == pair[1].0 && pair[0].1 != pair[1].1) {
+            let number = nodes[pair[0].0 as usize];
+            return Err(WindowError::Differs { what: "the position of node", number });
+        }
+        cut.dedup_by_key(|(place, _)| *place);
+        let cut = cut.into_iter().map(|(_, x)| x).collect();
         let (setup, boxes, skin) = (first.setup.clone(), first.boxes.clone(), first.skin);
-        Ok(Self { setup, boxes, skin, nodes, sheet_nodes, auxiliary, facets, listed })
+        Ok(Self { setup, boxes, skin, nodes, sheet_nodes, auxiliary, facets, listed, cut })
     }
 
     /// Its sheet nodes with other places of the nodes, and with which of their node's they are, from 0.

@@ -3,7 +3,7 @@
 use super::super::auxiliary::AuxiliaryKind;
 use super::{
     Auxiliary, Box3, Carried, Extents, LARGEST_NUMBER, Listed, MaterialDomain, NONE, Setup, SymmetryPlane,
-    Window, WindowError, WindowFacet, WindowNode, check_boxes,
+    Window, WindowError, WindowFacet, WindowNode, check_boxes, core_places,
 };
 use crate::{Basis, Point, Weight};
 
@@ -28,7 +28,7 @@ const BOX: usize = 6;
 
 impl Window {
     /// The window as integers and floating-point numbers, from which [`from_numbers`](Self::from_numbers) makes the same one. About 90
-    /// bytes for each node, 50 for each facet and 150 for each facet of the core.
+    /// bytes for each node, 50 for each facet and 170 for each facet of the core.
     #[must_use]
     pub fn to_numbers(&self) -> (Vec<i64>, Vec<f64>) {
         let Setup { weight, basis, feature_angle_degrees, planes, extents } = &self.setup;
@@ -71,6 +71,7 @@ impl Window {
             [x, y, z, a, b, c, d, e, f]
         };
         reals.extend(self.sheet_nodes.iter().flat_map(node));
+        reals.extend(self.cut.as_flattened());
         (integers, reals)
     }
 
@@ -114,11 +115,15 @@ impl Window {
         };
         let own = take(&mut rest, NODE * sheet_nodes).as_chunks().0;
         let sheet_nodes = places.iter().zip(own).map(node).collect();
+        let cut = rest.as_chunks().0.to_vec();
+        if cut.len() != core_places(&facets).count() {
+            return Err(invalid("position", cut.len()));
+        }
         let nodes = numbers.iter().map(|&number| number as u64).collect();
         let point = |k: usize| -> Point { [reals[k], reals[k + 1], reals[k + 2]] };
         let extents = Extents { low: point(1), high: point(4), facet: reals[7] };
         let setup = Setup { weight, basis, feature_angle_degrees: reals[0], planes, extents };
-        Ok(Self { setup, boxes, skin, nodes, sheet_nodes, auxiliary, facets, listed: list })
+        Ok(Self { setup, boxes, skin, nodes, sheet_nodes, auxiliary, facets, listed: list, cut })
     }
 }
 
@@ -153,7 +158,9 @@ impl Header {
         if rest.len() != nodes + sheet_nodes + AUXILIARY * auxiliary + FACET * facets + listed {
             return Err(invalid("integer", integers.len()));
         }
-        if reals.len() != REALS + BOX * planes + BOX * boxes + NODE * sheet_nodes {
+        // Positions come last, as many as the core has corners.
+        let cut = reals.len().checked_sub(REALS + BOX * planes + BOX * boxes + NODE * sheet_nodes);
+        if cut.is_none_or(|cut| cut % 3 != 0) {
             return Err(invalid("floating-point number", reals.len()));
         }
         // Nothing has no extents.

@@ -31,7 +31,7 @@ fn rim(around: usize, height: f64, turn: f64, cells: Cells) -> Mesh {
     let cut = |k: usize| match cells {
         Cells::Quadrilaterals => false,
         Cells::Triangles => true,
-        Cells::Mixed => k % 3 == 0,
+        Cells::Mixed => k.is_multiple_of(3),
     };
     let facets = (0..around).flat_map(|k| {
         let next = (k + 1) % nodes;

@@ -72,12 +72,13 @@ pub(super) enum Rung {
 impl Rung {
     /// The auxiliary points of a rung with these ends.
     pub fn points(self, [from, to]: [u32; 2]) -> impl Iterator<Item = Auxiliary> {
-        let kinds: &[([u32; 2], AuxiliaryKind)] = match self {
-            Self::No | Self::Unknown => &[],
-            Self::Middle => &[([from.min(to), from.max(to)], AuxiliaryKind::Middle)],
-            Self::Ghosts => &[([from, to], AuxiliaryKind::Ghost), ([to, from], AuxiliaryKind::Ghost)],
+        let point = |ends, kind| Some(Auxiliary { ends, kind });
+        let points = match self {
+            Self::No | Self::Unknown => [None, None],
+            Self::Middle => [point([from.min(to), from.max(to)], AuxiliaryKind::Middle), None],
+            Self::Ghosts => [[from, to], [to, from]].map(|ends| point(ends, AuxiliaryKind::Ghost)),
         };
-        kinds.to_vec().into_iter().map(|(ends, kind)| Auxiliary { ends, kind })
+        points.into_iter().flatten()
     }
 }
 

@@ -188,21 +188,17 @@ contains
             window_nodes = int(count)
         end function
 
-        !> The nodes of the window are nodes 2 and following: their first positions are the last numbers of the window, nine a node.
+        !> The nodes of the window are nodes 2 and following.
         subroutine check_first_positions(nodes)
             integer, intent(in) :: nodes
-            integer(c_int64_t), allocatable :: integers(:)
-            real(c_double), allocatable :: reals(:)
-            real(8) :: first(3), span
-            integer :: k, before
+            real(c_double) :: first(3, nodes), span
+            integer :: k
 
-            call decode(jprops, integers, reals)
-            before = size(reals) - 9*nodes
+            call expect(dc_window_first_positions(window, first, int(nodes, c_size_t)))
             ! An input file may have fewer digits than what the window was made of.
             span = maxval(maxval(coords(:, 2:), 2) - minval(coords(:, 2:), 2))
             do k = 1, nodes
-                first = reals(before + 9*k - 8:before + 9*k - 6)
-                if (.not. maxval(abs(first - coords(:, k + 1))) <= 1d-8*span) &
+                if (.not. maxval(abs(first(:, k) - coords(:, k + 1))) <= 1d-8*span) &
                     call stop_with('its nodes are not those of its window, in the order of that')
             end do
         end subroutine

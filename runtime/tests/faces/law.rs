@@ -47,12 +47,18 @@ impl FrictionCoefficient for Bad {
 
 /// A flat block on a flat plate, pressed 0.02 deep and moved along x since it was accepted.
 fn block(law: &ContactLaw<'_>, by: f64) -> (Pair, FaceInterface, Vec<Point>) {
-    let pair = Pair::new([6, 5], false, |x, y| [x, y, 0.0], |x, y| [1.0 + 0.6 * x, 1.0 + 0.5 * y, -0.02]);
+    closing_block(law, -0.02, [by, 0.0])
+}
+
+/// The same at a gap when it was accepted, moved along x and z.
+fn closing_block(law: &ContactLaw<'_>, gap: f64, by: [f64; 2]) -> (Pair, FaceInterface, Vec<Point>) {
+    let pair = Pair::new([6, 5], false, |x, y| [x, y, 0.0], |x, y| [1.0 + 0.6 * x, 1.0 + 0.5 * y, gap]);
     let mut own = pair.interface(ContactElement::default(), FaceRule::Second);
     own.refresh(&pair.positions).unwrap();
     own.accept(law).unwrap();
     let first = pair.first_slave;
-    let moved = |(k, &[x, y, z]): (usize, &Point)| [if k < first { x } else { x + by }, y, z];
+    let moved =
+        |(k, &[x, y, z]): (usize, &Point)| if k < first { [x, y, z] } else { [x + by[0], y, z + by[1]] };
     let moved: Vec<Point> = pair.positions.iter().enumerate().map(moved).collect();
     own.refresh(&moved).unwrap();
     (pair, own, moved)
@@ -124,6 +130,23 @@ fn laws_that_give_no_numbers_are_refused() {
         let error = Coulomb::variable(&Falling, duration, STIFFNESS).unwrap_err();
         assert_eq!(error.code(), "invalid-duration");
     }
+}
+
+/// A contact that closes at a constant rate has that rate from its touch on, but for its elastic slip.
+#[test]
+fn contacts_that_close_slide_at_the_rate_of_their_time_in_touch() {
+    let friction = Coulomb::variable(&Falling, DURATION, STIFFNESS).unwrap();
+    let law = ContactLaw::penalty(50.0).with_friction(Some(friction));
+    // A quarter of the way and of the time was in touch.
+    let (pair, mut own, moved) = closing_block(&law, 0.03, [0.2, -0.04]);
+    for node in own.evaluate(&law, Mode::Value).unwrap().nodes() {
+        assert_eq!(node.friction_state, FrictionState::Slip);
+        let traction = Vector3::from(node.friction).norm();
+        let rate = (0.25 * 0.2 - traction / STIFFNESS) / (0.25 * DURATION);
+        let expected = Falling.coefficient(node.pressure, rate).value * node.pressure;
+        assert!((traction - expected).abs() < 1e-12, "{traction} {expected}");
+    }
+    assert_tangent_at(&pair, &mut own, &law, &moved, 11);
 }
 
 /// With the motion given, each round adds ε_T s to the traction of what sticks, until it slides.

@@ -424,7 +424,7 @@ typedef struct dc_law {
     double tangential_stiffness;
     // Traction that no contact exceeds, in the unit of the pressure: contacts slide at min(friction x f, shear_limit). 0 for none.
     double shear_limit;
-    // dc_coefficient; 0 is DC_CONSTANT, `friction`.
+    // dc_coefficient; 0 is DC_CONSTANT, `friction`. A field of another coefficient that is set is DC_BAD_OPTION.
     int32_t coefficient;
     // Whether the history notes where contacts really stuck, so that dc_augment can take away what they creep by the tangential stiffness:
     // 0 or 1. Tractions are the same.

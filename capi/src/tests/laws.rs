@@ -263,6 +263,22 @@ fn nodes_have_pressures_by_table() {
         let huge = dc_law { friction_pressure_count: usize::MAX, ..sliding(2) };
         refused(huge, DC_BAD_SIZE, "bad-size");
         refused(dc_law { friction_rates: PRESSURES.as_ptr(), ..sliding(2) }, DC_BAD_OPTION, "invalid-table");
+        // Fields of another coefficient than the law's.
+        for (kind, own) in [("DC_CONSTANT", LAW), ("DC_TABULATED", sliding(2))] {
+            let of =
+                format!("invalid-option: friction_decay belongs to DC_DECAYING, and coefficient is {kind}");
+            refused(dc_law { friction_decay: 1.0, ..own }, DC_BAD_OPTION, &of);
+            refused(dc_law { friction_in_motion: 0.2, ..own }, DC_BAD_OPTION, "invalid-option");
+            refused(dc_law { friction_law: Some(coefficient), ..own }, DC_BAD_OPTION, "invalid-option");
+        }
+        for kind in [0, 1, 3] {
+            let own = dc_law { coefficient: kind, ..sliding(2) };
+            refused(own, DC_BAD_OPTION, "invalid-option: friction_pressures belongs to DC_TABULATED");
+            let own = dc_law { friction_pressures: null(), friction_pressure_count: 0, ..own };
+            refused(own, DC_BAD_OPTION, "invalid-option: friction_rates belongs to DC_TABULATED");
+        }
+        refused(dc_law { friction_law: Some(coefficient), ..sliding(1) }, DC_BAD_OPTION, "invalid-option");
+        let rough = dc_law { friction: 0.3, ..LAW };
         let mut errors = [9.0; 4];
         assert_eq!(dc_slip_errors(handle, &LAW, errors.as_mut_ptr(), 4), DC_BAD_OPTION);
         assert!(message().starts_with("no-augmentation: "), "{}", message());

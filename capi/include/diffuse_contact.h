@@ -804,7 +804,7 @@ int32_t dc_adaptive_tangent(double residual,
 //
 // `moves`: 1 for each slave that takes part, 0 for others, where other bodies hold them and no multiplier can help; NULL for all.
 //
-// DC_BAD_OPTION for a law without `augmented`, and as of dc_accept.
+// Without friction in the law nothing happens. DC_BAD_OPTION for friction without `augmented`, and as of dc_accept.
 //
 // # Safety
 // `law` as in dc_add_forces; `moves` is NULL or has `slave_count` entries.
@@ -830,8 +830,10 @@ enum dc_status dc_roll_back(struct dc_interface *interface);
 // Accepts the positions of the last dc_update, dc_follow or dc_refresh as the end of an increment: friction of the next one is measured
 // from there. Call it once before the first increment, after dc_refresh, and then after each that has converged, with the multipliers it
 // was solved with. Until then nothing of the history changes, so that an increment may be tried again.
-// It ends the evaluation: call dc_evaluate again. Nothing happens if the law
-// has no friction.
+// It ends the evaluation: call dc_evaluate again.
+//
+// If the law has no friction all slaves slide freely: where there is a history it goes on from their feet, and all counts are 0. Without a
+// history nothing happens then. A slave whose outcome is DC_BEYOND_WINDOW keeps its history.
 //
 // `stuck_count` and `sliding_count` get the numbers of slaves that stick and that slide, `unanchored_count` that of slaves that carry
 // force without friction, as they had no gap at the end of the increment before; `dropped_count` that of slaves that were closed then

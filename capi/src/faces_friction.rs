@@ -61,8 +61,8 @@ pub unsafe extern "C" fn dc_faces_accept(
         let contacts = &mut state.interface;
         let accepted = Accepted { stuck_count, sliding_count, unanchored_count, dropped_count, dissipated };
         // SAFETY: as the caller promises.
-        let has_friction = unsafe { accepted.write(law, slave_count, |law| contacts.accept(law))? };
-        state.evaluated &= !has_friction;
+        unsafe { accepted.write(law, slave_count, |law| contacts.accept(law))? };
+        state.evaluated &= !state.interface.has_history();
         Ok(())
     })
 }
@@ -85,7 +85,7 @@ pub unsafe extern "C" fn dc_faces_augment(
         let law = law.contact()?;
         let contacts = &mut state.interface;
         threads::run(|| contacts.augment(&law, moves))??;
-        state.evaluated = false;
+        state.evaluated &= law.friction.is_none();
         Ok(())
     })
 }

@@ -373,6 +373,39 @@ fn a_slave_that_slides_draws_its_anchor_along() {
     assert!(report.stuck >= 4);
 }
 
+/// Slaves that slid freely have no slip behind them when there is friction again.
+#[test]
+fn a_step_without_friction_leaves_no_slip_behind() {
+    let free = [ContactLaw::penalty(PENALTY), law(0.0)];
+    let elements = [ContactElement::diffuse(SearchOptions::domains()), ContactElement::NodeToFacet];
+    for (element, free) in elements.into_iter().flat_map(|element| free.map(|free| (element, free))) {
+        let mut pressed = Pressed::on(0.3, element, &[]);
+        pressed.slide([2e-3, 1e-3, 0.0]);
+        let report = pressed.accept();
+        assert!(report.stuck + report.sliding >= 4, "{report:?}");
+        pressed.slide([0.04, 0.03, 0.0]);
+        pressed.law = free;
+        let forces = pressed.forces();
+        assert_eq!(pressed.accept(), FrictionReport::default());
+        pressed.interface.refresh_pairing(&pressed.positions).unwrap();
+        assert_eq!(pressed.forces(), forces);
+        pressed.law = law(0.3);
+        for k in 0..4 {
+            assert!(length(pressed.traction(k)) < 1e-10, "{element:?} {:?}", pressed.traction(k));
+        }
+        // From here on the slip counts.
+        pressed.slide([1e-3, 0.0, 0.0]);
+        for k in 0..4 {
+            let ratio = length(pressed.traction(k)) / (STIFFNESS * 1e-3);
+            assert!((0.8..1.2).contains(&ratio), "{element:?} {ratio}");
+        }
+    }
+    // Without a history there is nothing to begin from, and none begins.
+    let mut scene = Mesh::plane(4.0, 4.0, 1.0).scene(&[[2.2, 2.1, -0.1]], InterfaceOptions::default());
+    assert_eq!(scene.interface.accept(&free[0]), Ok(FrictionReport::default()));
+    assert!(!scene.interface.has_history());
+}
+
 #[test]
 fn an_open_contact_drops_its_anchor_and_closes_with_a_new_one() {
     let mut pressed = Pressed::new(0.5, Weight::Cubic, &[]);

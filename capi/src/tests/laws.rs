@@ -280,13 +280,19 @@ fn nodes_have_pressures_by_table() {
         refused(dc_law { friction_law: Some(coefficient), ..sliding(1) }, DC_BAD_OPTION, "invalid-option");
         let rough = dc_law { friction: 0.3, ..LAW };
         let mut errors = [9.0; 4];
-        assert_eq!(dc_slip_errors(handle, &LAW, errors.as_mut_ptr(), 4), DC_BAD_OPTION);
+        assert_eq!(dc_slip_errors(handle, &rough, errors.as_mut_ptr(), 4), DC_BAD_OPTION);
         assert!(message().starts_with("no-augmentation: "), "{}", message());
         assert_eq!(dc_slip_errors(handle, &LAW, errors.as_mut_ptr(), 3), DC_BAD_SIZE);
-        assert_eq!(dc_augment(handle, &LAW, null(), 4), DC_BAD_OPTION);
+        assert_eq!(dc_augment(handle, &rough, null(), 4), DC_BAD_OPTION);
         assert_eq!(dc_augment(handle, &sliding(1), [0, 1, 2, 0].as_ptr(), 4), DC_BAD_OPTION);
         assert!(message().starts_with("invalid-option: moves is 2"), "{}", message());
         assert_eq!((errors, residual), ([9.0; 4], before));
+        // Without friction there is nothing to take over, and the evaluation stays.
+        assert_eq!(dc_augment(handle, &LAW, null(), 4), DC_OK, "{}", message());
+        assert_eq!(dc_slip_errors(handle, &LAW, errors.as_mut_ptr(), 4), DC_OK, "{}", message());
+        assert_eq!(errors, [0.0; 4]);
+        let mut residual = vec![0.0; 120];
+        assert_eq!(dc_add_forces(handle, &LAW, residual.as_mut_ptr(), 120, null_mut()), DC_OK);
         // Nothing was augmented, so that pairings stay.
         assert_eq!(dc_roll_back(handle), DC_OK);
         assert_eq!(dc_evaluate(handle, 2), DC_OK);

@@ -33,6 +33,9 @@ class FrictionHistory(ABC):
         To be called once before the first increment, after a refresh, and then after each that has converged. Until
         then nothing of the history changes, so that an increment may be tried again. It ends the evaluation.
 
+        With a coefficient of 0 all slaves slide freely: where there is a history it goes on from their feet, and all counts
+        are 0. Without a history nothing happens then. A slave whose outcome is ``"beyond-window"`` keeps its history.
+
         Args:
             penalty: as for the forces.
             friction: as for the forces.
@@ -61,7 +64,7 @@ class FrictionHistory(ABC):
 
         To be called in an equilibrium whose ``slip_errors`` are too large, with the law that it was solved with; then
         evaluate again and find the next equilibrium, which slips less where it sticks. The rounds are part of the
-        increment on its way: ``accept`` takes them over, ``roll_back`` forgets them.
+        increment on its way: ``accept`` takes them over, ``roll_back`` forgets them. With a coefficient of 0 nothing happens.
 
         Args:
             penalty: as for the forces.

@@ -179,7 +179,7 @@ pub enum AssemblyError {
         /// How many; `usize::MAX` also stands for more.
         count: usize,
     },
-    /// A round of augmentation by a law that has none.
+    /// A round of augmentation by a law whose friction has none.
     #[error("the law has no augmentation of friction")]
     NoAugmentation,
     /// The law has friction, which masters that were found by another rule than domains of influence do not have.

@@ -645,6 +645,11 @@ fn augmented_friction_forgets_its_stiffness_and_is_accepted_or_rolled_back() {
     assert_eq!(own.interface.history(), other.interface.history());
     let plain = ContactLaw::penalty(PENALTY).with_friction(Coulomb::new(0.3, STIFFNESS).ok());
     assert_eq!(own.interface.slip_errors(&plain).unwrap_err().code(), "no-augmentation");
+    // Without friction there is nothing to take over.
+    let (none, forces) = (ContactLaw::penalty(PENALTY), own.forces());
+    assert_eq!(own.interface.slip_errors(&none), Ok(vec![0.0; own.slaves.len()]));
+    own.interface.augment(&none, |_| true).unwrap();
+    assert_eq!((own.interface.augmented_history(), own.forces()), (own.interface.history(), forces));
 }
 
 /// K v, Kᵀ v, the diagonal, and what is beside ε N Nᵀ, of slaves that stick, slip and have anchors out of reach, on both elements.

@@ -371,11 +371,22 @@ impl FaceInterface {
     /// parts of [`split_history`](crate::interface::split_history) go with a node from window to window.
     #[must_use]
     pub fn history(&self) -> Vec<f64> {
+        self.numbers_of(self.tracks.as_deref())
+    }
+
+    /// The history that friction is measured from at the moment: [`history`](Self::history) with the rounds of [`augment`](Self::augment)
+    /// since the last accepted step.
+    #[must_use]
+    pub fn augmented_history(&self) -> Vec<f64> {
+        self.numbers_of(self.present_history())
+    }
+
+    fn numbers_of(&self, tracks: Option<&[Option<Track>]>) -> Vec<f64> {
         let point = |track: &Option<Track>| {
             let Some(Track { own, anchor }) = track else { return [None, None] };
             [Some(Anchor::new(own.clone())), Some(anchor.clone())]
         };
-        self.tracks.as_deref().map_or_else(Vec::new, |tracks| {
+        tracks.map_or_else(Vec::new, |tracks| {
             to_numbers(&tracks.iter().flat_map(point).collect::<Vec<Option<Anchor>>>(), |node| {
                 self.number_of(node)
             })

@@ -181,7 +181,18 @@ impl ContactInterface {
     /// [slave by slave](super::split_history).
     #[must_use]
     pub fn history(&self) -> Vec<f64> {
-        self.anchors.as_deref().map_or_else(Vec::new, |anchors| {
+        self.numbers_of(self.anchors.as_deref())
+    }
+
+    /// The history that friction is measured from at the moment: [`history`](Self::history) with the rounds of [`augment`](Self::augment)
+    /// since the last accepted step.
+    #[must_use]
+    pub fn augmented_history(&self) -> Vec<f64> {
+        self.numbers_of(self.present_anchors())
+    }
+
+    fn numbers_of(&self, anchors: Option<&[Option<Anchor>]>) -> Vec<f64> {
+        anchors.map_or_else(Vec::new, |anchors| {
             to_numbers(anchors, |node| match &self.known {
                 Some(known) => known.number_of(node).map_or(f64::NAN, |number| number as f64),
                 None => f64::from(node),

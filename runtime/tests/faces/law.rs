@@ -168,6 +168,11 @@ fn augmentation_raises_tractions_until_they_slide() {
     let without = Coulomb::new(0.3, STIFFNESS).ok();
     let refused = own.slip_errors(&ContactLaw::penalty(50.0).with_friction(without)).unwrap_err();
     assert_eq!(refused.code(), "no-augmentation");
+    // Without friction there is nothing to take over.
+    let none = ContactLaw::penalty(50.0);
+    assert_eq!(own.slip_errors(&none), Ok(vec![0.0; own.slaves().len()]));
+    own.augment(&none, |_| true).unwrap();
+    assert_eq!(own.augmented_history(), own.history());
     let (history, before) = (own.history(), own.evaluate(&law, Mode::Gradient).unwrap().clone());
     for round in 1..=3 {
         let (found, state) = traction(&mut own);

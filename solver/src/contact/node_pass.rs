@@ -200,11 +200,15 @@ impl Pass for NodePass {
     }
 
     fn has_history(&self) -> bool {
-        self.interface.anchors().is_some()
+        self.interface.has_history()
     }
 
     fn anchors(&self) -> Vec<f64> {
         self.interface.history()
+    }
+
+    fn augmented_anchors(&self) -> Vec<f64> {
+        self.interface.augmented_history()
     }
 
     fn set_anchors(&mut self, anchors: &[f64]) -> Result<(), InterfaceError> {

@@ -813,8 +813,8 @@ enum dc_status dc_augment(struct dc_interface *interface,
                           const int32_t *moves,
                           size_t slave_count);
 
-// How far each slave is from Coulomb's law without tangential stiffness, length: its slip in the increment where it sticks, and what of
-// it is not along the traction where it slides; 0 without force or history. At the positions of the last dc_update, dc_follow or dc_refresh.
+// How far each slave is from Coulomb's law without tangential stiffness, length: its slip since it stuck where it sticks, and what of it is
+// not along the traction where it slides; 0 without force, history or friction. At the positions of the last dc_update, dc_follow or dc_refresh.
 //
 // # Safety
 // `law` as in dc_augment; `errors` has `slave_count` entries.
@@ -853,8 +853,9 @@ enum dc_status dc_accept(struct dc_interface *interface,
                          double *dissipated);
 
 // Friction of all slaves at the positions of the last dc_evaluate, in DC_GRADIENT or DC_HESSIAN, one entry each: `states`
-// dc_friction_state; `tractions` on the slave, 3 numbers each, force per area, a force where the interface has no areas; `slips` since
-// the place of touch or the last accepted state, length. 0 where a slave is DC_OPEN, as all are if the law has no friction. Each may be
+// dc_friction_state; `tractions` on the slave, 3 numbers each, force per area, a force where the interface has no areas; `slips` from
+// the anchor, or of a slave that was open from its place of touch, length: the elastic slip, and where it slides what it has slid in the
+// increment besides. With `augmented` they are from where it stuck, without its multiplier. 0 where a slave is DC_OPEN, as all are if the law has no friction. Each may be
 // NULL. Call it before dc_accept, which ends the evaluation, with the law of the forces.
 //
 // DC_NOT_EVALUATED for slaves that carry force before the first dc_accept.
@@ -1383,7 +1384,7 @@ enum dc_status dc_faces_contacts(struct dc_faces *faces,
                                  size_t slave_count);
 
 // Friction of all slave nodes, of the last evaluation, one entry each: `states` dc_friction_state; `tractions` on the slave, force per area,
-// 3 numbers each; `slips` since the place of touch or the last accepted state, length. Each may be NULL.
+// 3 numbers each; `slips` as of dc_friction, length. Each may be NULL.
 //
 // # Safety
 // The arrays have `slave_count` entries, `tractions` three times as many.

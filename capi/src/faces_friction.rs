@@ -9,7 +9,7 @@ use crate::status::dc_status;
 use crate::threads;
 
 /// Friction of all slave nodes, of the last evaluation, one entry each: `states` dc_friction_state; `tractions` on the slave, force per area,
-/// 3 numbers each; `slips` since the place of touch or the last accepted state, length. Each may be NULL.
+/// 3 numbers each; `slips` as of dc_friction, length. Each may be NULL.
 ///
 /// # Safety
 /// The arrays have `slave_count` entries, `tractions` three times as many.

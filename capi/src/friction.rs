@@ -152,8 +152,8 @@ pub unsafe extern "C" fn dc_augment(
     })
 }
 
-/// How far each slave is from Coulomb's law without tangential stiffness, length: its slip in the increment where it sticks, and what of
-/// it is not along the traction where it slides; 0 without force or history. At the positions of the last dc_update, dc_follow or dc_refresh.
+/// How far each slave is from Coulomb's law without tangential stiffness, length: its slip since it stuck where it sticks, and what of it is
+/// not along the traction where it slides; 0 without force, history or friction. At the positions of the last dc_update, dc_follow or dc_refresh.
 ///
 /// # Safety
 /// `law` as in dc_augment; `errors` has `slave_count` entries.
@@ -223,8 +223,9 @@ pub unsafe extern "C" fn dc_accept(
 }
 
 /// Friction of all slaves at the positions of the last dc_evaluate, in DC_GRADIENT or DC_HESSIAN, one entry each: `states`
-/// dc_friction_state; `tractions` on the slave, 3 numbers each, force per area, a force where the interface has no areas; `slips` since
-/// the place of touch or the last accepted state, length. 0 where a slave is DC_OPEN, as all are if the law has no friction. Each may be
+/// dc_friction_state; `tractions` on the slave, 3 numbers each, force per area, a force where the interface has no areas; `slips` from
+/// the anchor, or of a slave that was open from its place of touch, length: the elastic slip, and where it slides what it has slid in the
+/// increment besides. With `augmented` they are from where it stuck, without its multiplier. 0 where a slave is DC_OPEN, as all are if the law has no friction. Each may be
 /// NULL. Call it before dc_accept, which ends the evaluation, with the law of the forces.
 ///
 /// DC_NOT_EVALUATED for slaves that carry force before the first dc_accept.

@@ -5,6 +5,7 @@ use std::f64::consts::{FRAC_PI_2, FRAC_PI_6};
 use diffuse_contact::affine::{AffinePoint, Carrier};
 use diffuse_contact::assembly::{
     AssemblyError, ContactLaw, DofMap, Tangent, TangentOperator, Triangle, Triplets, add_forces,
+    slave_friction,
 };
 use diffuse_contact::friction::{Coulomb, DecayingCoefficient};
 use diffuse_contact::interface::{
@@ -602,8 +603,18 @@ fn augmented_friction_forgets_its_stiffness_and_is_accepted_or_rolled_back() {
     for (traction, error) in first.iter().zip(&errors) {
         assert!((length(*traction) / (STIFFNESS * error) - 1.0).abs() < 0.02, "{traction:?} {error}");
     }
+    let slips = |own: &mut Pressed| -> Vec<f64> {
+        let contacts = own.interface.evaluate(Mode::Gradient).unwrap();
+        slave_friction(contacts, &law).unwrap().iter().map(|slave| slave.slip).collect()
+    };
+    assert_eq!(own.interface.augmented_history(), history);
     own.interface.augment(&law, |k| k != 1).unwrap();
     assert_eq!(own.interface.history(), history);
+    assert_ne!(own.interface.augmented_history(), history);
+    // A multiplier is no slip.
+    for (slip, error) in slips(&mut own).iter().zip(&errors) {
+        assert!((slip - error).abs() < 1e-12, "{slip} {error}");
+    }
     for (k, before) in first.iter().enumerate() {
         let after = own.traction(k);
         let factor = if k == 1 { 1.0 } else { 2.0 };

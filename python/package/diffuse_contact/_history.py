@@ -94,8 +94,8 @@ class FrictionHistory(ABC):
     ) -> Floats:
         """How far each slave is from Coulomb's law without the stiffness of stick, shape (s,), length.
 
-        The slip in the increment where it sticks, and what of it is not along the traction where it slides; 0 without
-        force or history. Arguments and exceptions are those of ``augment``.
+        The slip since it stuck where it sticks, and what of it is not along the traction where it slides; 0 without force,
+        history or friction. Arguments and exceptions are those of ``augment``.
         """
         return self._kept.slip_errors(law_of(penalty, multipliers, friction=friction, normal=normal))
 

@@ -78,10 +78,23 @@ impl FaceInterface {
             let found = self.traction(law, &friction, (k, node), normal, track)?;
             node.friction = found.value;
             node.friction_state = found.sliding.state;
-            node.slip = found.sliding.share * found.slip.norm();
+            // What a multiplier is worth is no slip.
+            let slip = if track.anchor.origin.is_some() {
+                self.since_stuck(node, normal, track)
+            } else {
+                found.slip
+            };
+            node.slip = found.sliding.share * slip.norm();
             Ok(Some(found))
         });
         tractions.collect()
+    }
+
+    /// P_n of the way since the node stuck.
+    fn since_stuck(&self, node: &NodeContact, normal: Vector3, track: &Track) -> Vector3 {
+        let way = self.within_planes(node, track.way_since_stuck(&self.positions));
+        let along = self.within_planes(node, normal).try_normalize().unwrap_or_default();
+        way - along * along.dot(&way)
     }
 
     fn traction(
@@ -273,10 +286,7 @@ impl FaceInterface {
             }
             let Traction { slip, sliding, .. } = self.traction(law, &friction, (k, node), normals[k], old)?;
             let stuck = old.clone().at_origin();
-            let normal = self.within_planes(node, normals[k]);
-            let way = self.within_planes(node, stuck.way(&self.positions));
-            let along = normal.try_normalize().unwrap_or_default();
-            let since_stuck = way - along * along.dot(&way);
+            let since_stuck = self.since_stuck(node, normals[k], old);
             errors[k] = sliding.error(slip, since_stuck);
             let slid = since_stuck * sliding.share;
             let with_slip = |track: Track, slip: Vector3| track.with_slip(slip, normals[k], &self.positions);

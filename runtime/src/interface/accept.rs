@@ -17,7 +17,6 @@ use crate::assembly::{AssemblyError, ContactLaw};
 use crate::friction::{FrictionForce, FrictionState};
 use crate::scratch::Pool;
 use crate::surface::Symmetry;
-use crate::vector::Vector3;
 use crate::{AffinePoint, Backend, ContactPoint, FacetElement, Gap, Generated, Mode, Point, Slip, Weight};
 
 /// What friction did in a step that was accepted, in numbers of slaves, and its work.
@@ -125,8 +124,8 @@ impl ContactInterface {
         Ok(())
     }
 
-    /// How far each slave is from Coulomb's law without ε_T, length: its slip in the step where it sticks, and what of it is not along the
-    /// traction where it slides; 0 without force or anchor.
+    /// How far each slave is from Coulomb's law without ε_T, length: its slip since it stuck where it sticks, and what of it is not along
+    /// the traction where it slides; 0 without force, anchor or friction.
     ///
     /// # Errors
     /// As [`augment`](Self::augment).
@@ -383,12 +382,9 @@ impl Evaluator<'_> {
             return Some(Round { anchor: Some(old.clone()), error: 0.0 });
         }
         let foot = slave.foot()?;
-        let Gap { foot: at, normal, .. } = slave.slip.contact;
-        let (at, normal) = (Vector3::from(at), Vector3::from(normal));
-        let slip_from = |point: &AffinePoint| {
-            let way = at - Vector3::from(point.position(|carrier| self.place_of(carrier)));
-            way - normal * normal.dot(&way)
-        };
+        let Gap { gap, foot: at, normal, .. } = slave.slip.contact;
+        let at = ContactPoint { gap, foot: at, normal };
+        let slip_from = |point: &AffinePoint| self.slip_from(point, &at);
         let sliding = force.sliding();
         let error = sliding.error(slip_from(&old.point), slip_from(old.stuck_at()));
         // From the place of touch on the contact is one that was closed.

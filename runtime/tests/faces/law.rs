@@ -179,6 +179,9 @@ fn augmentation_raises_tractions_until_they_slide() {
         assert!((found - f64::from(round) * STIFFNESS * by).abs() < 1e-12, "{round} {found}");
         assert_eq!(state, FrictionState::Stick);
         assert!(own.slip_errors(&law).unwrap().iter().all(|error| (error - by).abs() < 1e-14));
+        // A multiplier is no slip.
+        let contacts = own.evaluate(&law, Mode::Value).unwrap();
+        assert!(contacts.nodes().iter().all(|node| (node.slip - by).abs() < 1e-14));
         own.augment(&law, |_| true).unwrap();
         own.update(&moved).unwrap();
         assert_eq!(own.history(), history);

@@ -15,7 +15,8 @@ use crate::status::{DC_BAD_OPTION, DC_BAD_SIZE, Failure};
 
 /// A normal law of the caller's own. `pressure` has room for two numbers: p, force per area, or over nodes without areas force, and
 /// dp/dg, at the signed gap of a slave. `slave` is its place among the slaves, counted from 0, and not its node: see dc_slaves and
-/// dc_faces_slaves. A contact whose p is not positive is open.
+/// dc_faces_slaves. A contact whose p is not positive is open. Friction of contacts that close in an increment takes p to begin at the
+/// gap 0.
 ///
 /// It is called from several threads at once, within any call that takes the law, and has to answer the same each time. It must return:
 /// no exception and no longjmp. What is no number is refused as that of a law.
@@ -70,6 +71,7 @@ pub struct dc_law {
     /// ... and the pressure at each, force per area, or over nodes without areas force: linear between them and beyond them. Contacts whose
     /// pressure is not positive are open. NULL and 0 for the penalty's law; an array whose count is 0 is DC_BAD_SIZE. There are no
     /// multipliers then, and the penalty only estimates where contacts that close have touched: about the stiffness of the table in contact.
+    /// They are open from the gap on at which the last falling line has no pressure any more.
     pub normal_pressures: *const f64,
     /// Number of gaps, and of pressures.
     pub normal_count: usize,

@@ -194,7 +194,7 @@ impl FaceInterface {
                     let (kept, slip) =
                         traction.as_ref().map_or((0.0, Vector3::zeros()), |of| (of.sliding.kept, of.slip));
                     let drawn = old.map_or(present.clone(), |old| old.towards(&present, 1.0 - kept));
-                    let opening = if is_open { node.gap.max(0.0) } else { 0.0 };
+                    let opening = if is_open { law.opening(k, node.gap)? } else { 0.0 };
                     let slides = traction.as_ref().is_some_and(|of| of.sliding.state == FrictionState::Slip);
                     // Where it sticks from now on: without any slip.
                     let stuck = || drawn.clone().with_slip(Vector3::zeros(), normals[k], &self.positions);

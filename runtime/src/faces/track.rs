@@ -12,7 +12,7 @@ const ON_A_LINE: f64 = 1e-10;
 pub(super) struct Track {
     /// x_A of the last accepted step.
     pub own: AffinePoint,
-    /// y_A of then, and the gap if it was open.
+    /// y_A of then, and what it was open by.
     pub anchor: Anchor,
 }
 

@@ -334,7 +334,9 @@ impl Evaluator<'_> {
             let (half_square, opening) = (slip.half_square, old.opening);
             return Err(AssemblyError::InvalidSlip { element: k, half_square, opening }.into());
         }
-        Ok(f(&Sticking { k, old, is_open: !(pressed.force > 0.0), force, slip: &slip, terms }))
+        let is_open = !(pressed.force > 0.0);
+        let opening = if is_open { law.opening(k, gap)? } else { 0.0 };
+        Ok(f(&Sticking { k, old, is_open, opening, force, slip: &slip, terms }))
     }
 
     /// The slip of a diffuse element, and the carriers of its foot.
@@ -400,6 +402,8 @@ struct Sticking<'a> {
     k: usize,
     old: Option<&'a Anchor>,
     is_open: bool,
+    /// How far an open contact is from carrying force, length; else 0.
+    opening: f64,
     force: Option<FrictionForce>,
     slip: &'a Slip,
     /// The foot's carriers and weights.
@@ -422,7 +426,7 @@ struct Round {
 }
 
 fn accept_one(slave: &Sticking<'_>, is_augmented: bool) -> Option<Accepted> {
-    let &Sticking { old, is_open, force, slip, .. } = slave;
+    let &Sticking { old, is_open, opening, force, slip, .. } = slave;
     let kept = force.map_or(0.0, |force| force.kept);
     let (point, origin) = match old {
         Some(old) if kept == 1.0 && !is_open => {
@@ -436,9 +440,8 @@ fn accept_one(slave: &Sticking<'_>, is_augmented: bool) -> Option<Accepted> {
             (dragged.map_or_else(|| foot.clone(), |old| old.point.towards(&foot, 1.0 - kept)), origin)
         }
     };
-    let gap = slip.contact.gap;
     Some(Accepted {
-        anchor: Anchor { point, opening: if is_open { gap.max(0.0) } else { 0.0 }, origin },
+        anchor: Anchor { point, opening, origin },
         state: force.map(|force| force.state),
         is_open,
         dissipated: force.map_or(0.0, |force| force.dissipated(slip.length())),

@@ -39,6 +39,20 @@ impl NormalLaw for Bad {
     }
 }
 
+/// Pressure that begins nowhere.
+#[derive(Debug)]
+struct Nowhere;
+
+impl NormalLaw for Nowhere {
+    fn pressure(&self, _slave: usize, _gap: f64) -> NormalPressure {
+        NormalPressure { pressure: 0.0, by_gap: 0.0 }
+    }
+
+    fn onset(&self, _slave: usize) -> f64 {
+        f64::NAN
+    }
+}
+
 impl FrictionCoefficient for Bad {
     fn coefficient(&self, _pressure: f64, _rate: f64) -> CoefficientValue {
         CoefficientValue { value: -0.1, by_pressure: 0.0, by_rate: 0.0 }
@@ -126,10 +140,28 @@ fn laws_that_give_no_numbers_are_refused() {
     refused(&plain.with_normal(Some(&Bad)).with_multipliers(Some(&[])), "multipliers-of-own-law");
     let friction = Coulomb::variable(&Bad, DURATION, STIFFNESS).ok();
     refused(&plain.with_friction(friction), "invalid-slip");
+    let (_, mut own, _) = block(&plain.with_friction(Coulomb::new(0.3, 1.0).ok()), 0.05);
+    assert_eq!(own.accept(&plain.with_normal(Some(&Nowhere))).unwrap_err().code(), "invalid-onset");
     for duration in [0.0, f64::NAN] {
         let error = Coulomb::variable(&Falling, duration, STIFFNESS).unwrap_err();
         assert_eq!(error.code(), "invalid-duration");
     }
+}
+
+/// A pressure that begins at a gap of 0.03: a contact that closes has touched there.
+#[test]
+fn contacts_close_where_their_pressure_begins() {
+    let table = TabulatedPressure::new(&[-0.07, 0.03], &[5.0, 0.0]).unwrap();
+    let friction = Coulomb::new(0.9, STIFFNESS).unwrap();
+    let law = ContactLaw::penalty(50.0).with_normal(Some(&table)).with_friction(Some(friction));
+    // From a gap of 0.05 to one of 0.02: a third of the way was in touch.
+    let (pair, mut own, moved) = closing_block(&law, 0.05, [3e-3, -0.03]);
+    for node in own.evaluate(&law, Mode::Value).unwrap().nodes() {
+        assert!((node.pressure - 0.5).abs() < 1e-12, "{node:?}");
+        assert!((node.slip - 1e-3).abs() < 1e-12, "{node:?}");
+        assert!((node.friction[0] + STIFFNESS * 1e-3).abs() < 1e-11, "{node:?}");
+    }
+    assert_tangent_at(&pair, &mut own, &law, &moved, 11);
 }
 
 /// A contact that closes at a constant rate has that rate from its touch on, but for its elastic slip.

@@ -407,7 +407,7 @@ fn one_layer_needs_its_symmetry_planes() {
         .replace("divisions = [10, 3]", "divisions = [10, 1]")
         .replace("increment = 0.125", "increment = 1.0");
     let planes = r#"symmetry = ["y", { point = [0, 2, 0], normal = [0, -1, 0] }]"#;
-    let mirrored = layer.replace("refresh = \"iteration\"", planes);
+    let mirrored = layer.replace("refresh = \"increment\"", planes);
     let said = |name: &str, deck: &str| {
         let (deck, out) = (scratch.file(&format!("{name}.toml"), deck), scratch.path(name));
         let solved = run(&["solve", &deck, "--out", &out]);
@@ -416,7 +416,7 @@ fn one_layer_needs_its_symmetry_planes() {
     };
     assert!(said("alone", &layer).contains("15 of 15 slaves have the linear basis"));
     assert!(!said("mirrored", &mirrored).contains("linear basis"));
-    let crossed = layer.replace("refresh = \"iteration\"", r#"symmetry = ["w"]"#);
+    let crossed = layer.replace("refresh = \"increment\"", r#"symmetry = ["w"]"#);
     let refused = run(&["solve", &scratch.file("crossed.toml", &crossed), "--out", &scratch.path("crossed")]);
     assert!(refused.code == 2 && refused.stderr.contains("\"x\""), "{refused:?}");
 }

@@ -56,10 +56,10 @@ fn sliding_factor<'g>(m: &ElementModel<'g>, q: Expr<'g>, pressure: Expr<'g>) -> 
     let [stiffness, opening, duration] = m.parameters(["stiffness", "opening", "duration"]);
     let slip = (2.0 * q).sqrt();
     let share = share_in_touch(m, pressure, opening);
-    // t = μ p with the rate (w s − t/ε_T)/Δt.
-    let rate_if_free = share * slip / duration;
+    // t = μ p with the rate (w s − t/ε_T)/(w Δt): the contact has been in touch for w Δt.
+    let rate_if_free = slip / duration;
     let held = mu + by_pressure * (pressure - at_pressure) + by_rate * (rate_if_free - at_rate);
-    let strength = pressure * held / (1.0 + pressure * by_rate / (stiffness * duration));
+    let strength = pressure * held / (1.0 + pressure * by_rate / (stiffness * (share * duration)));
     strength / slip
 }
 

@@ -383,7 +383,8 @@ typedef struct dc_contact {
 
 // A normal law of the caller's own. `pressure` has room for two numbers: p, force per area, or over nodes without areas force, and
 // dp/dg, at the signed gap of a slave. `slave` is its place among the slaves, counted from 0, and not its node: see dc_slaves and
-// dc_faces_slaves. A contact whose p is not positive is open.
+// dc_faces_slaves. A contact whose p is not positive is open. Friction of contacts that close in an increment takes p to begin at the
+// gap 0.
 //
 // It is called from several threads at once, within any call that takes the law, and has to answer the same each time. It must return:
 // no exception and no longjmp. What is no number is refused as that of a law.
@@ -424,7 +425,7 @@ typedef struct dc_law {
     double tangential_stiffness;
     // Traction that no contact exceeds, in the unit of the pressure: contacts slide at min(friction x f, shear_limit). 0 for none.
     double shear_limit;
-    // dc_coefficient; 0 is DC_CONSTANT, `friction`.
+    // dc_coefficient; 0 is DC_CONSTANT, `friction`. A field of another coefficient that is set is DC_BAD_OPTION.
     int32_t coefficient;
     // Whether the history notes where contacts really stuck, so that dc_augment can take away what they creep by the tangential stiffness:
     // 0 or 1. Tractions are the same.
@@ -434,6 +435,7 @@ typedef struct dc_law {
     // ... and the pressure at each, force per area, or over nodes without areas force: linear between them and beyond them. Contacts whose
     // pressure is not positive are open. NULL and 0 for the penalty's law; an array whose count is 0 is DC_BAD_SIZE. There are no
     // multipliers then, and the penalty only estimates where contacts that close have touched: about the stiffness of the table in contact.
+    // They are open from the gap on at which the last falling line has no pressure any more.
     const double *normal_pressures;
     // Number of gaps, and of pressures.
     size_t normal_count;
@@ -804,7 +806,7 @@ int32_t dc_adaptive_tangent(double residual,
 //
 // `moves`: 1 for each slave that takes part, 0 for others, where other bodies hold them and no multiplier can help; NULL for all.
 //
-// DC_BAD_OPTION for a law without `augmented`, and as of dc_accept.
+// Without friction in the law nothing happens. DC_BAD_OPTION for friction without `augmented`, and as of dc_accept.
 //
 // # Safety
 // `law` as in dc_add_forces; `moves` is NULL or has `slave_count` entries.
@@ -813,8 +815,8 @@ enum dc_status dc_augment(struct dc_interface *interface,
                           const int32_t *moves,
                           size_t slave_count);
 
-// How far each slave is from Coulomb's law without tangential stiffness, length: its slip in the increment where it sticks, and what of
-// it is not along the traction where it slides; 0 without force or history. At the positions of the last dc_update, dc_follow or dc_refresh.
+// How far each slave is from Coulomb's law without tangential stiffness, length: its slip since it stuck where it sticks, and what of it is
+// not along the traction where it slides; 0 without force, history or friction. At the positions of the last dc_update, dc_follow or dc_refresh.
 //
 // # Safety
 // `law` as in dc_augment; `errors` has `slave_count` entries.
@@ -830,8 +832,10 @@ enum dc_status dc_roll_back(struct dc_interface *interface);
 // Accepts the positions of the last dc_update, dc_follow or dc_refresh as the end of an increment: friction of the next one is measured
 // from there. Call it once before the first increment, after dc_refresh, and then after each that has converged, with the multipliers it
 // was solved with. Until then nothing of the history changes, so that an increment may be tried again.
-// It ends the evaluation: call dc_evaluate again. Nothing happens if the law
-// has no friction.
+// It ends the evaluation: call dc_evaluate again.
+//
+// If the law has no friction all slaves slide freely: where there is a history it goes on from their feet, and all counts are 0. Without a
+// history nothing happens then. A slave whose outcome is DC_BEYOND_WINDOW keeps its history.
 //
 // `stuck_count` and `sliding_count` get the numbers of slaves that stick and that slide, `unanchored_count` that of slaves that carry
 // force without friction, as they had no gap at the end of the increment before; `dropped_count` that of slaves that were closed then
@@ -851,8 +855,9 @@ enum dc_status dc_accept(struct dc_interface *interface,
                          double *dissipated);
 
 // Friction of all slaves at the positions of the last dc_evaluate, in DC_GRADIENT or DC_HESSIAN, one entry each: `states`
-// dc_friction_state; `tractions` on the slave, 3 numbers each, force per area, a force where the interface has no areas; `slips` since
-// the place of touch or the last accepted state, length. 0 where a slave is DC_OPEN, as all are if the law has no friction. Each may be
+// dc_friction_state; `tractions` on the slave, 3 numbers each, force per area, a force where the interface has no areas; `slips` from
+// the anchor, or of a slave that was open from its place of touch, length: the elastic slip, and where it slides what it has slid in the
+// increment besides. With `augmented` they are from where it stuck, without its multiplier. 0 where a slave is DC_OPEN, as all are if the law has no friction. Each may be
 // NULL. Call it before dc_accept, which ends the evaluation, with the law of the forces.
 //
 // DC_NOT_EVALUATED for slaves that carry force before the first dc_accept.
@@ -1381,7 +1386,7 @@ enum dc_status dc_faces_contacts(struct dc_faces *faces,
                                  size_t slave_count);
 
 // Friction of all slave nodes, of the last evaluation, one entry each: `states` dc_friction_state; `tractions` on the slave, force per area,
-// 3 numbers each; `slips` since the place of touch or the last accepted state, length. Each may be NULL.
+// 3 numbers each; `slips` as of dc_friction, length. Each may be NULL.
 //
 // # Safety
 // The arrays have `slave_count` entries, `tractions` three times as many.

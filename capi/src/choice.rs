@@ -85,7 +85,7 @@ pub enum dc_friction_state {
 
 /// The coefficient of Coulomb's friction.
 #[repr(C)]
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum dc_coefficient {
     /// A number.
     DC_CONSTANT = 0,

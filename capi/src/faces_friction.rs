@@ -9,7 +9,7 @@ use crate::status::dc_status;
 use crate::threads;
 
 /// Friction of all slave nodes, of the last evaluation, one entry each: `states` dc_friction_state; `tractions` on the slave, force per area,
-/// 3 numbers each; `slips` since the place of touch or the last accepted state, length. Each may be NULL.
+/// 3 numbers each; `slips` as of dc_friction, length. Each may be NULL.
 ///
 /// # Safety
 /// The arrays have `slave_count` entries, `tractions` three times as many.
@@ -61,8 +61,8 @@ pub unsafe extern "C" fn dc_faces_accept(
         let contacts = &mut state.interface;
         let accepted = Accepted { stuck_count, sliding_count, unanchored_count, dropped_count, dissipated };
         // SAFETY: as the caller promises.
-        let has_friction = unsafe { accepted.write(law, slave_count, |law| contacts.accept(law))? };
-        state.evaluated &= !has_friction;
+        unsafe { accepted.write(law, slave_count, |law| contacts.accept(law))? };
+        state.evaluated &= !state.interface.has_history();
         Ok(())
     })
 }
@@ -85,7 +85,7 @@ pub unsafe extern "C" fn dc_faces_augment(
         let law = law.contact()?;
         let contacts = &mut state.interface;
         threads::run(|| contacts.augment(&law, moves))??;
-        state.evaluated = false;
+        state.evaluated &= law.friction.is_none();
         Ok(())
     })
 }

@@ -20,7 +20,7 @@ pub struct Accepted {
 }
 
 impl Accepted {
-    /// Accepts a state of `slave_count` slaves and writes what came of it. Whether the law has friction.
+    /// Accepts a state of `slave_count` slaves and writes what came of it.
     ///
     /// # Safety
     /// `law` as in [`law::read`]; the others are NULL or may be written.
@@ -29,7 +29,7 @@ impl Accepted {
         law: *const dc_law,
         slave_count: usize,
         accept: impl FnOnce(&ContactLaw<'_>) -> Result<FrictionReport, InterfaceError> + Send,
-    ) -> Result<bool, Failure> {
+    ) -> Result<(), Failure> {
         let stuck_count = wanted("stuck_count", self.stuck_count, 1, 1)?;
         let sliding_count = wanted("sliding_count", self.sliding_count, 1, 1)?;
         let unanchored_count = wanted("unanchored_count", self.unanchored_count, 1, 1)?;
@@ -57,7 +57,7 @@ impl Accepted {
             dropped_count.write([report.dropped]);
             dissipated.write([report.dissipated]);
         }
-        Ok(law.friction.is_some())
+        Ok(())
     }
 }
 
@@ -127,7 +127,7 @@ pub unsafe fn write_slip_errors(
 ///
 /// `moves`: 1 for each slave that takes part, 0 for others, where other bodies hold them and no multiplier can help; NULL for all.
 ///
-/// DC_BAD_OPTION for a law without `augmented`, and as of dc_accept.
+/// Without friction in the law nothing happens. DC_BAD_OPTION for friction without `augmented`, and as of dc_accept.
 ///
 /// # Safety
 /// `law` as in dc_add_forces; `moves` is NULL or has `slave_count` entries.
@@ -145,13 +145,15 @@ pub unsafe extern "C" fn dc_augment(
         let law = law.contact()?;
         let contacts = &mut state.interface;
         threads::run(|| contacts.augment(&law, moves))??;
-        state.end_evaluation();
+        if law.friction.is_some() {
+            state.end_evaluation();
+        }
         Ok(())
     })
 }
 
-/// How far each slave is from Coulomb's law without tangential stiffness, length: its slip in the increment where it sticks, and what of
-/// it is not along the traction where it slides; 0 without force or history. At the positions of the last dc_update, dc_follow or dc_refresh.
+/// How far each slave is from Coulomb's law without tangential stiffness, length: its slip since it stuck where it sticks, and what of it is
+/// not along the traction where it slides; 0 without force, history or friction. At the positions of the last dc_update, dc_follow or dc_refresh.
 ///
 /// # Safety
 /// `law` as in dc_augment; `errors` has `slave_count` entries.
@@ -183,8 +185,10 @@ pub extern "C" fn dc_roll_back(interface: *mut dc_interface) -> dc_status {
 /// Accepts the positions of the last dc_update, dc_follow or dc_refresh as the end of an increment: friction of the next one is measured
 /// from there. Call it once before the first increment, after dc_refresh, and then after each that has converged, with the multipliers it
 /// was solved with. Until then nothing of the history changes, so that an increment may be tried again.
-/// It ends the evaluation: call dc_evaluate again. Nothing happens if the law
-/// has no friction.
+/// It ends the evaluation: call dc_evaluate again.
+///
+/// If the law has no friction all slaves slide freely: where there is a history it goes on from their feet, and all counts are 0. Without a
+/// history nothing happens then. A slave whose outcome is DC_BEYOND_WINDOW keeps its history.
 ///
 /// `stuck_count` and `sliding_count` get the numbers of slaves that stick and that slide, `unanchored_count` that of slaves that carry
 /// force without friction, as they had no gap at the end of the increment before; `dropped_count` that of slaves that were closed then
@@ -210,7 +214,8 @@ pub unsafe extern "C" fn dc_accept(
         let contacts = &mut state.interface;
         let accepted = Accepted { stuck_count, sliding_count, unanchored_count, dropped_count, dissipated };
         // SAFETY: as the caller promises.
-        if unsafe { accepted.write(law, slave_count, |law| contacts.accept(law))? } {
+        unsafe { accepted.write(law, slave_count, |law| contacts.accept(law))? };
+        if state.interface.has_history() {
             state.end_evaluation();
         }
         Ok(())
@@ -218,8 +223,9 @@ pub unsafe extern "C" fn dc_accept(
 }
 
 /// Friction of all slaves at the positions of the last dc_evaluate, in DC_GRADIENT or DC_HESSIAN, one entry each: `states`
-/// dc_friction_state; `tractions` on the slave, 3 numbers each, force per area, a force where the interface has no areas; `slips` since
-/// the place of touch or the last accepted state, length. 0 where a slave is DC_OPEN, as all are if the law has no friction. Each may be
+/// dc_friction_state; `tractions` on the slave, 3 numbers each, force per area, a force where the interface has no areas; `slips` from
+/// the anchor, or of a slave that was open from its place of touch, length: the elastic slip, and where it slides what it has slid in the
+/// increment besides. With `augmented` they are from where it stuck, without its multiplier. 0 where a slave is DC_OPEN, as all are if the law has no friction. Each may be
 /// NULL. Call it before dc_accept, which ends the evaluation, with the law of the forces.
 ///
 /// DC_NOT_EVALUATED for slaves that carry force before the first dc_accept.

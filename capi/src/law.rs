@@ -15,7 +15,8 @@ use crate::status::{DC_BAD_OPTION, DC_BAD_SIZE, Failure};
 
 /// A normal law of the caller's own. `pressure` has room for two numbers: p, force per area, or over nodes without areas force, and
 /// dp/dg, at the signed gap of a slave. `slave` is its place among the slaves, counted from 0, and not its node: see dc_slaves and
-/// dc_faces_slaves. A contact whose p is not positive is open.
+/// dc_faces_slaves. A contact whose p is not positive is open. Friction of contacts that close in an increment takes p to begin at the
+/// gap 0.
 ///
 /// It is called from several threads at once, within any call that takes the law, and has to answer the same each time. It must return:
 /// no exception and no longjmp. What is no number is refused as that of a law.
@@ -60,7 +61,7 @@ pub struct dc_law {
     pub tangential_stiffness: f64,
     /// Traction that no contact exceeds, in the unit of the pressure: contacts slide at min(friction x f, shear_limit). 0 for none.
     pub shear_limit: f64,
-    /// dc_coefficient; 0 is DC_CONSTANT, `friction`.
+    /// dc_coefficient; 0 is DC_CONSTANT, `friction`. A field of another coefficient that is set is DC_BAD_OPTION.
     pub coefficient: i32,
     /// Whether the history notes where contacts really stuck, so that dc_augment can take away what they creep by the tangential stiffness:
     /// 0 or 1. Tractions are the same.
@@ -70,6 +71,7 @@ pub struct dc_law {
     /// ... and the pressure at each, force per area, or over nodes without areas force: linear between them and beyond them. Contacts whose
     /// pressure is not positive are open. NULL and 0 for the penalty's law; an array whose count is 0 is DC_BAD_SIZE. There are no
     /// multipliers then, and the penalty only estimates where contacts that close have touched: about the stiffness of the table in contact.
+    /// They are open from the gap on at which the last falling line has no pressure any more.
     pub normal_pressures: *const f64,
     /// Number of gaps, and of pressures.
     pub normal_count: usize,
@@ -205,6 +207,26 @@ impl dc_law {
         Ok(())
     }
 
+    /// Refuses fields of another coefficient than the law's: it would not be the one that was meant.
+    fn check_coefficient(&self, kind: dc_coefficient) -> Result<(), Failure> {
+        use dc_coefficient::{DC_DECAYING, DC_FUNCTION, DC_TABULATED};
+        for (name, is_set, of) in [
+            ("friction_in_motion", self.friction_in_motion != 0.0, DC_DECAYING),
+            ("friction_decay", self.friction_decay != 0.0, DC_DECAYING),
+            ("friction_pressures", !self.friction_pressures.is_null(), DC_TABULATED),
+            ("friction_rates", !self.friction_rates.is_null(), DC_TABULATED),
+            ("friction_table", !self.friction_table.is_null(), DC_TABULATED),
+            ("friction_law", self.friction_law.is_some(), DC_FUNCTION),
+        ] {
+            if is_set && kind != of {
+                let message =
+                    format!("invalid-option: {name} belongs to {of:?}, and coefficient is {kind:?}");
+                return Err(Failure::new(DC_BAD_OPTION, message));
+            }
+        }
+        Ok(())
+    }
+
     /// Number of coefficients in the table.
     fn table_count(&self) -> Result<usize, Failure> {
         let Self { friction_pressure_count: pressures, friction_rate_count: rates, .. } = *self;
@@ -317,7 +339,9 @@ unsafe fn variable(law: &dc_law) -> Result<Option<Box<dyn FrictionCoefficient>>,
             format!("invalid-option: with {kind} friction is 0, and not {}: it has its own", law.friction);
         Err(Failure::new(DC_BAD_OPTION, message))
     };
-    Ok(match choice::read(law.coefficient)? {
+    let kind = choice::read(law.coefficient)?;
+    law.check_coefficient(kind)?;
+    Ok(match kind {
         dc_coefficient::DC_CONSTANT => None,
         dc_coefficient::DC_DECAYING => {
             let made = DecayingCoefficient::new(law.friction, law.friction_in_motion, law.friction_decay)?;

@@ -24,7 +24,7 @@ macro_rules! has_history {
                 let law = own.law(py)?;
                 let interface = &mut this.interface;
                 let report = threads::run(py, || interface.accept(&law))?.map_err(|error| error.raise(py))?;
-                this.current &= law.friction.is_none();
+                this.current &= !this.interface.has_history();
                 Ok((report.stuck, report.sliding, report.unanchored, report.dropped, report.dissipated))
             }
 
@@ -48,7 +48,7 @@ macro_rules! has_history {
                 let interface = &mut this.interface;
                 let moves = |slave: usize| moves.is_none_or(|moves| moves[slave]);
                 threads::run(py, || interface.augment(&law, moves))?.map_err(|error| error.raise(py))?;
-                this.current = false;
+                this.current &= law.friction.is_none();
                 Ok(())
             }
 

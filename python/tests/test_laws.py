@@ -151,6 +151,14 @@ def test_rounds_of_augmentation_are_tried_accepted_and_forgotten():
         with pytest.raises(error) as caught:
             faces.augment(50.0, **wrong)
         assert caught.value.code == code
+    # Without friction there is nothing to take over, and what slid freely is no slip of the next increment.
+    none = {"friction": 0.0}
+    faces.augment(50.0, **none)
+    assert (faces.slip_errors(50.0, **none) == 0.0).all()
+    faces.refresh(positions)
+    assert faces.accept(50.0, **none) == (0, 0, 0, 0, 0.0)
+    faces.refresh(positions)
+    assert np.abs(faces.evaluate(50.0, **law).slip).max() < 1e-12
 
 
 def test_nodes_are_augmented(scene):

@@ -66,7 +66,8 @@ fn friction_has_its_part_in_force_and_tangent() {
     let (gradient, hessian) = (numbers(6), numbers(21));
     let of_slip = (numbers(12).split_off(6), numbers(42).split_off(21));
     let with_slip = |half_square, opening| {
-        let slip = SlipView { half_square, opening, gradient: &of_slip.0, hessian: &of_slip.1 };
+        let slip = SlipView { half_square, opening, ..SlipView::default() };
+        let slip = SlipView { gradient: &of_slip.0, hessian: &of_slip.1, ..slip };
         ContactView { gap: -0.3, area: 0.7, gradient: &gradient, hessian: &hessian, slip: Some(slip) }
     };
     let coulomb = Coulomb::new(0.2, 5.0).unwrap();

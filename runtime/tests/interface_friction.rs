@@ -5,6 +5,7 @@ use std::f64::consts::{FRAC_PI_2, FRAC_PI_6};
 use diffuse_contact::affine::{AffinePoint, Carrier};
 use diffuse_contact::assembly::{
     AssemblyError, ContactLaw, DofMap, Tangent, TangentOperator, Triangle, Triplets, add_forces,
+    slave_friction,
 };
 use diffuse_contact::friction::{Coulomb, DecayingCoefficient};
 use diffuse_contact::interface::{
@@ -373,6 +374,39 @@ fn a_slave_that_slides_draws_its_anchor_along() {
     assert!(report.stuck >= 4);
 }
 
+/// Slaves that slid freely have no slip behind them when there is friction again.
+#[test]
+fn a_step_without_friction_leaves_no_slip_behind() {
+    let free = [ContactLaw::penalty(PENALTY), law(0.0)];
+    let elements = [ContactElement::diffuse(SearchOptions::domains()), ContactElement::NodeToFacet];
+    for (element, free) in elements.into_iter().flat_map(|element| free.map(|free| (element, free))) {
+        let mut pressed = Pressed::on(0.3, element, &[]);
+        pressed.slide([2e-3, 1e-3, 0.0]);
+        let report = pressed.accept();
+        assert!(report.stuck + report.sliding >= 4, "{report:?}");
+        pressed.slide([0.04, 0.03, 0.0]);
+        pressed.law = free;
+        let forces = pressed.forces();
+        assert_eq!(pressed.accept(), FrictionReport::default());
+        pressed.interface.refresh_pairing(&pressed.positions).unwrap();
+        assert_eq!(pressed.forces(), forces);
+        pressed.law = law(0.3);
+        for k in 0..4 {
+            assert!(length(pressed.traction(k)) < 1e-10, "{element:?} {:?}", pressed.traction(k));
+        }
+        // From here on the slip counts.
+        pressed.slide([1e-3, 0.0, 0.0]);
+        for k in 0..4 {
+            let ratio = length(pressed.traction(k)) / (STIFFNESS * 1e-3);
+            assert!((0.8..1.2).contains(&ratio), "{element:?} {ratio}");
+        }
+    }
+    // Without a history there is nothing to begin from, and none begins.
+    let mut scene = Mesh::plane(4.0, 4.0, 1.0).scene(&[[2.2, 2.1, -0.1]], InterfaceOptions::default());
+    assert_eq!(scene.interface.accept(&free[0]), Ok(FrictionReport::default()));
+    assert!(!scene.interface.has_history());
+}
+
 #[test]
 fn an_open_contact_drops_its_anchor_and_closes_with_a_new_one() {
     let mut pressed = Pressed::new(0.5, Weight::Cubic, &[]);
@@ -569,8 +603,18 @@ fn augmented_friction_forgets_its_stiffness_and_is_accepted_or_rolled_back() {
     for (traction, error) in first.iter().zip(&errors) {
         assert!((length(*traction) / (STIFFNESS * error) - 1.0).abs() < 0.02, "{traction:?} {error}");
     }
+    let slips = |own: &mut Pressed| -> Vec<f64> {
+        let contacts = own.interface.evaluate(Mode::Gradient).unwrap();
+        slave_friction(contacts, &law).unwrap().iter().map(|slave| slave.slip).collect()
+    };
+    assert_eq!(own.interface.augmented_history(), history);
     own.interface.augment(&law, |k| k != 1).unwrap();
     assert_eq!(own.interface.history(), history);
+    assert_ne!(own.interface.augmented_history(), history);
+    // A multiplier is no slip.
+    for (slip, error) in slips(&mut own).iter().zip(&errors) {
+        assert!((slip - error).abs() < 1e-12, "{slip} {error}");
+    }
     for (k, before) in first.iter().enumerate() {
         let after = own.traction(k);
         let factor = if k == 1 { 1.0 } else { 2.0 };
@@ -612,6 +656,11 @@ fn augmented_friction_forgets_its_stiffness_and_is_accepted_or_rolled_back() {
     assert_eq!(own.interface.history(), other.interface.history());
     let plain = ContactLaw::penalty(PENALTY).with_friction(Coulomb::new(0.3, STIFFNESS).ok());
     assert_eq!(own.interface.slip_errors(&plain).unwrap_err().code(), "no-augmentation");
+    // Without friction there is nothing to take over.
+    let (none, forces) = (ContactLaw::penalty(PENALTY), own.forces());
+    assert_eq!(own.interface.slip_errors(&none), Ok(vec![0.0; own.slaves.len()]));
+    own.interface.augment(&none, |_| true).unwrap();
+    assert_eq!((own.interface.augmented_history(), own.forces()), (own.interface.history(), forces));
 }
 
 /// K v, Kᵀ v, the diagonal, and what is beside ε N Nᵀ, of slaves that stick, slip and have anchors out of reach, on both elements.

@@ -428,6 +428,27 @@ fn an_augmented_history_goes_with_its_slaves_to_other_windows() {
     }
 }
 
+/// What is not known of a slave ends no history.
+#[cfg(feature = "friction")]
+#[test]
+fn slaves_beyond_their_window_keep_their_anchors() {
+    let law = ContactLaw::penalty(400.0).with_friction(Coulomb::new(0.3, 300.0).ok());
+    let case = Case::new(&[]);
+    let whole = case.whole();
+    let window = whole.interface.window(&boxes_around(&case.slaves, LIMIT, 1), 0.1).unwrap();
+    let mut part = part(&window, &case.slaves, &whole.positions, case.options);
+    part.interface.renew_pairing(&part.positions).unwrap();
+    assert!(part.interface.accept(&law).unwrap().unanchored > 10);
+    let history = part.interface.history();
+    // The window is older than its skin.
+    part.positions[40][2] += 0.11;
+    part.interface.renew_pairing(&part.positions).unwrap();
+    for law in [law, ContactLaw::penalty(400.0)] {
+        let report = part.interface.accept(&law).unwrap();
+        assert_eq!((report.dropped, part.interface.history()), (0, history.clone()));
+    }
+}
+
 #[test]
 fn windows_of_one_surface_join_and_others_are_refused() {
     let case = Case::new(&[]);

@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 pub const BLOCK: &str = concat!(
     "title = \"Block & <wave>\"\n",
     include_str!("block_on_wave.toml"),
-    "refresh = \"iteration\"\n[time]\nincrement = 0.125\n"
+    "refresh = \"increment\"\n[time]\nincrement = 0.125\n"
 );
 
 /// The same in other increments.

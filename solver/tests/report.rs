@@ -282,7 +282,7 @@ fn residuals_stand_over_their_linear_solutions() {
     for (extrapolation, first) in [("none", 1.0), ("linear", 0.0)] {
         let scratch = Scratch::new(&format!("report-rounds-{extrapolation}"));
         let deck = block_in(4).replace(
-            "refresh = \"iteration\"",
+            "refresh = \"increment\"",
             "method = \"augmented-lagrangian\"\naugmentation = { tolerance = 1e-4 }",
         ) + &format!("[newton]\nextrapolation = \"{extrapolation}\"\n");
         let (deck, out) = (scratch.file("block.toml", &deck), scratch.path("out"));
@@ -339,7 +339,7 @@ fn the_least_and_the_largest_gap_are_gaps() {
 fn friction_is_in_the_summary_on_the_skin_and_in_the_page() {
     let scratch = Scratch::new("report-friction");
     let faces = "name = \"floor\"\nintegration = \"faces\"\nfriction = 0.1";
-    let deck = block_in(8).replace("refresh = \"iteration\"\n", "").replace("name = \"floor\"", faces);
+    let deck = block_in(8).replace("refresh = \"increment\"\n", "").replace("name = \"floor\"", faces);
     let (deck, out) = (scratch.file("block.toml", &deck), scratch.path("out"));
     assert_eq!(run(&["solve", &deck, "--out", &out]).code, 0);
     let read = |name: &str| fs::read_to_string(Path::new(&out).join(name)).unwrap();

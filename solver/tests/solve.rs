@@ -406,7 +406,7 @@ fn a_facet_alone_has_the_linear_basis() {
         .replace("divisions = [10, 3]", "divisions = [10, 1]")
         .replace("increment = 0.125", "increment = 1.0");
     let planes = r#"symmetry = ["y", { point = [0, 2, 0], normal = [0, -1, 0] }]"#;
-    let mirrored = layer.replace("refresh = \"iteration\"", planes);
+    let mirrored = layer.replace("refresh = \"increment\"", planes);
     let said = |name: &str, deck: &str| {
         let (deck, out) = (scratch.file(&format!("{name}.toml"), deck), scratch.path(name));
         let solved = run(&["solve", &deck, "--out", &out]);
@@ -417,7 +417,7 @@ fn a_facet_alone_has_the_linear_basis() {
     assert!(said("one", &one).contains("15 of 15 slaves have the linear basis"));
     assert!(!said("layer", &layer).contains("linear basis"));
     assert!(!said("mirrored", &mirrored).contains("linear basis"));
-    let crossed = layer.replace("refresh = \"iteration\"", r#"symmetry = ["w"]"#);
+    let crossed = layer.replace("refresh = \"increment\"", r#"symmetry = ["w"]"#);
     let refused = run(&["solve", &scratch.file("crossed.toml", &crossed), "--out", &scratch.path("crossed")]);
     assert!(refused.code == 2 && refused.stderr.contains("\"x\""), "{refused:?}");
 }

@@ -46,7 +46,7 @@ fn an_interrupted_run_is_whole_and_goes_on_to_the_same_end() {
 /// Where the faces are cut follows from positions: there is nothing to save.
 #[test]
 fn an_interrupted_run_over_faces_goes_on_to_the_same_end() {
-    let deck = small_block_in(MANY).replace("refresh = \"iteration\"", "integration = \"faces\"");
+    let deck = small_block_in(MANY).replace("refresh = \"increment\"", "integration = \"faces\"");
     assert!(deck.contains("faces"));
     interrupt("solve-interrupt-faces", &format!("{deck}\n[output]\nevery = 40"));
 }

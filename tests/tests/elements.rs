@@ -321,7 +321,7 @@ fn the_traction_over_faces_has_three_witnesses() {
     }
 }
 
-/// The traction t = μ(p, v) p with v = (w s − t/ε_T)/Δt, for a μ that is linear in both, by fixed-point iteration.
+/// The traction t = μ(p, v) p with v = (w s − t/ε_T)/(w Δt), for a μ that is linear in both, by fixed-point iteration.
 fn sliding_strength(
     slip: Dual64,
     pressure: Dual64,
@@ -332,7 +332,7 @@ fn sliding_strength(
     let share = if opening > 0.0 { pressure / (pressure + opening) } else { Dual64::from(1.0) };
     let mut strength = pressure * mu;
     for _ in 0..200 {
-        let rate = (share * slip - strength / stiffness) / duration;
+        let rate = (share * slip - strength / stiffness) / (share * duration);
         strength = pressure * (Dual64::from(mu) + (pressure - p_0) * by_p + (rate - v_0) * by_v);
     }
     strength

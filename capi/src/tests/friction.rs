@@ -165,6 +165,16 @@ fn a_history_outlives_the_handle(options: &dc_options) {
     }
     refresh(&further, handle);
     assert_eq!(residual(handle, &FRICTION), expected);
+    // What slid freely is no slip of the next increment; the evaluation ends, as the history is another one.
+    let free = residual(handle, &LAW);
+    assert_eq!(accept(handle, &LAW), DC_OK);
+    let mut sum = vec![0.0; 120];
+    // SAFETY: the array has the length given.
+    let status = unsafe { dc_add_forces(handle, &FRICTION, sum.as_mut_ptr(), 120, null_mut()) };
+    assert_eq!(status, DC_NOT_EVALUATED, "{}", message());
+    refresh(&further, handle);
+    let with = residual(handle, &FRICTION);
+    assert!(with.iter().zip(&free).all(|(with, free)| (with - free).abs() < 1e-10), "{with:?} {free:?}");
     // SAFETY: the array has the length given.
     unsafe {
         assert_eq!(dc_set_history(handle, history.as_ptr(), count - 1), DC_BAD_OPTION);
@@ -173,7 +183,6 @@ fn a_history_outlives_the_handle(options: &dc_options) {
     }
     refresh(&further, handle);
     assert_eq!(dc_evaluate(handle, 2), DC_OK);
-    let mut sum = vec![0.0; 120];
     // SAFETY: the array has the length given.
     let status = unsafe { dc_add_forces(handle, &FRICTION, sum.as_mut_ptr(), 120, null_mut()) };
     assert_eq!(status, DC_NOT_EVALUATED, "{}", message());

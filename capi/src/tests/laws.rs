@@ -263,14 +263,36 @@ fn nodes_have_pressures_by_table() {
         let huge = dc_law { friction_pressure_count: usize::MAX, ..sliding(2) };
         refused(huge, DC_BAD_SIZE, "bad-size");
         refused(dc_law { friction_rates: PRESSURES.as_ptr(), ..sliding(2) }, DC_BAD_OPTION, "invalid-table");
+        // Fields of another coefficient than the law's.
+        for (kind, own) in [("DC_CONSTANT", LAW), ("DC_TABULATED", sliding(2))] {
+            let of =
+                format!("invalid-option: friction_decay belongs to DC_DECAYING, and coefficient is {kind}");
+            refused(dc_law { friction_decay: 1.0, ..own }, DC_BAD_OPTION, &of);
+            refused(dc_law { friction_in_motion: 0.2, ..own }, DC_BAD_OPTION, "invalid-option");
+            refused(dc_law { friction_law: Some(coefficient), ..own }, DC_BAD_OPTION, "invalid-option");
+        }
+        for kind in [0, 1, 3] {
+            let own = dc_law { coefficient: kind, ..sliding(2) };
+            refused(own, DC_BAD_OPTION, "invalid-option: friction_pressures belongs to DC_TABULATED");
+            let own = dc_law { friction_pressures: null(), friction_pressure_count: 0, ..own };
+            refused(own, DC_BAD_OPTION, "invalid-option: friction_rates belongs to DC_TABULATED");
+        }
+        refused(dc_law { friction_law: Some(coefficient), ..sliding(1) }, DC_BAD_OPTION, "invalid-option");
+        let rough = dc_law { friction: 0.3, ..LAW };
         let mut errors = [9.0; 4];
-        assert_eq!(dc_slip_errors(handle, &LAW, errors.as_mut_ptr(), 4), DC_BAD_OPTION);
+        assert_eq!(dc_slip_errors(handle, &rough, errors.as_mut_ptr(), 4), DC_BAD_OPTION);
         assert!(message().starts_with("no-augmentation: "), "{}", message());
         assert_eq!(dc_slip_errors(handle, &LAW, errors.as_mut_ptr(), 3), DC_BAD_SIZE);
-        assert_eq!(dc_augment(handle, &LAW, null(), 4), DC_BAD_OPTION);
+        assert_eq!(dc_augment(handle, &rough, null(), 4), DC_BAD_OPTION);
         assert_eq!(dc_augment(handle, &sliding(1), [0, 1, 2, 0].as_ptr(), 4), DC_BAD_OPTION);
         assert!(message().starts_with("invalid-option: moves is 2"), "{}", message());
         assert_eq!((errors, residual), ([9.0; 4], before));
+        // Without friction there is nothing to take over, and the evaluation stays.
+        assert_eq!(dc_augment(handle, &LAW, null(), 4), DC_OK, "{}", message());
+        assert_eq!(dc_slip_errors(handle, &LAW, errors.as_mut_ptr(), 4), DC_OK, "{}", message());
+        assert_eq!(errors, [0.0; 4]);
+        let mut residual = vec![0.0; 120];
+        assert_eq!(dc_add_forces(handle, &LAW, residual.as_mut_ptr(), 120, null_mut()), DC_OK);
         // Nothing was augmented, so that pairings stay.
         assert_eq!(dc_roll_back(handle), DC_OK);
         assert_eq!(dc_evaluate(handle, 2), DC_OK);

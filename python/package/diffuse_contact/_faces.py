@@ -75,7 +75,9 @@ class FaceContacts:
         outcomes: ``"contact"``, or the code of the reason why there is none.
         friction: tractions on the slave, shape (s, 3), force per area; 0 without friction.
         friction_states: ``"open"``, ``"stick"`` or ``"slip"``.
-        slip: since the place of touch or the last accepted state, shape (s,), length.
+        slip: from the anchor, or of a slave that was open from its place of touch, shape (s,), length: the elastic
+            slip, and where it slides what it has slid in the increment besides. With ``augmented=True`` from where
+            it stuck, without its multiplier.
 
     """
 

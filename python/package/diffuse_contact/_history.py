@@ -33,6 +33,10 @@ class FrictionHistory(ABC):
         To be called once before the first increment, after a refresh, and then after each that has converged. Until
         then nothing of the history changes, so that an increment may be tried again. It ends the evaluation.
 
+        With a coefficient of 0 all slaves slide freely: where there is a history it goes on from their feet, and all
+        counts are 0. Without a history nothing happens then. A slave whose outcome is ``"beyond-window"`` keeps its
+        history.
+
         Args:
             penalty: as for the forces.
             friction: as for the forces.
@@ -61,7 +65,8 @@ class FrictionHistory(ABC):
 
         To be called in an equilibrium whose ``slip_errors`` are too large, with the law that it was solved with; then
         evaluate again and find the next equilibrium, which slips less where it sticks. The rounds are part of the
-        increment on its way: ``accept`` takes them over, ``roll_back`` forgets them.
+        increment on its way: ``accept`` takes them over, ``roll_back`` forgets them. With a coefficient of 0 nothing
+        happens.
 
         Args:
             penalty: as for the forces.
@@ -91,8 +96,8 @@ class FrictionHistory(ABC):
     ) -> Floats:
         """How far each slave is from Coulomb's law without the stiffness of stick, shape (s,), length.
 
-        The slip in the increment where it sticks, and what of it is not along the traction where it slides; 0 without
-        force or history. Arguments and exceptions are those of ``augment``.
+        The slip since it stuck where it sticks, and what of it is not along the traction where it slides; 0 without
+        force, history or friction. Arguments and exceptions are those of ``augment``.
         """
         return self._kept.slip_errors(law_of(penalty, multipliers, friction=friction, normal=normal))
 

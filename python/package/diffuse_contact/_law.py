@@ -26,7 +26,8 @@ def _own(what: str, values: Any, *shape: int | str) -> Floats:
 class TabulatedPressure:
     """A normal law by table: linear between its gaps, and beyond them along its outer lines.
 
-    A contact whose pressure is not positive is open. Over nodes without areas it is a force.
+    A contact whose pressure is not positive is open. Over nodes without areas it is a force. Friction of a contact that
+    closes in an increment counts from the gap at which the last falling line has no pressure any more.
 
     Attributes:
         gaps: ascending, at least two, shape (t,), length.

@@ -67,7 +67,11 @@ pub struct ContactView<'a> {
 pub struct SlipView<'a> {
     /// q, half the square of the slip, length²; 0 without a gradient.
     pub half_square: f64,
-    /// The gap if the contact was open when the last step was accepted, length; else 0.
+    /// The slip from where the slave stuck, length: √(2q) without [augmentation](crate::Coulomb::with_augmentation), whose multipliers are
+    /// no slip. For results only.
+    pub since_stuck: f64,
+    /// How far an open contact was from carrying force when the last step was accepted, length: its gap, less the
+    /// [onset](super::NormalLaw::onset) of a law of one's own; else 0.
     pub opening: f64,
     /// ∇q, 3(n+1) entries, length; empty of a slave without an anchor, which has no friction yet, and where nothing was derived.
     pub gradient: &'a [f64],

@@ -72,6 +72,14 @@ pub enum AssemblyError {
         /// ∂p/∂g.
         by_gap: f64,
     },
+    /// The gap at which a normal law of one's own says that pressure begins is not finite.
+    #[error("the pressure of element {element} begins at a gap of {value}, which has to be finite")]
+    InvalidOnset {
+        /// The element, counted from 0.
+        element: usize,
+        /// [`NormalLaw::onset`](super::NormalLaw::onset).
+        value: f64,
+    },
     /// A normal law of the caller's own and multipliers of the augmented Lagrangian at once.
     #[error("a normal law of one's own takes no multipliers")]
     MultipliersOfOwnLaw,
@@ -179,7 +187,7 @@ pub enum AssemblyError {
         /// How many; `usize::MAX` also stands for more.
         count: usize,
     },
-    /// A round of augmentation by a law that has none.
+    /// A round of augmentation by a law whose friction has none.
     #[error("the law has no augmentation of friction")]
     NoAugmentation,
     /// The law has friction, which masters that were found by another rule than domains of influence do not have.
@@ -207,7 +215,7 @@ pub enum AssemblyError {
         element: usize,
         /// q.
         half_square: f64,
-        /// Its gap when the last step was accepted; 0 if it was closed.
+        /// How far it was from carrying force when the last step was accepted; 0 if it was closed.
         opening: f64,
     },
     /// One triangle of a tangent that is not symmetric was asked for.
@@ -252,6 +260,7 @@ impl AssemblyError {
             Self::ForceOverflow { .. } | Self::Overflow { .. } => "overflow",
             Self::NonFiniteEntry { .. } => "non-finite-input",
             Self::InvalidPressure { .. } => "invalid-pressure",
+            Self::InvalidOnset { .. } => "invalid-onset",
             Self::MultipliersOfOwnLaw => "multipliers-of-own-law",
             Self::InvalidTable { .. } => "invalid-table",
             Self::NoMasters { .. } => "no-masters",

@@ -143,6 +143,16 @@ impl<'a> ContactLaw<'a> {
         Err(AssemblyError::ForceOverflow { element: k, penalty: self.penalty, area, gap })
     }
 
+    /// How far a contact without force is from carrying some at this gap, length.
+    pub(crate) fn opening(&self, k: usize, gap: f64) -> Result<f64, AssemblyError> {
+        let onset = self.normal.map_or(0.0, |normal| normal.onset(k));
+        if onset.is_finite() {
+            Ok((gap - onset).max(0.0))
+        } else {
+            Err(AssemblyError::InvalidOnset { element: k, value: onset })
+        }
+    }
+
     /// The friction of element `k` with this slip; `None` without friction, and before there is an anchor.
     #[must_use]
     pub fn friction_of(
@@ -156,7 +166,7 @@ impl<'a> ContactLaw<'a> {
         self.friction_by(self.normal_force(k, gap, area), area, (slip.half_square, slip.opening))
     }
 
-    /// The friction of an element with this normal force, half square of its slip, and the gap that it was open by.
+    /// The friction of an element with this normal force, half square of its slip, and what it was open by.
     pub(crate) fn friction_by(
         &self,
         normal: NormalForce,

@@ -16,6 +16,12 @@ pub trait NormalLaw: fmt::Debug + Send + Sync {
     /// pressure is not positive is open; both have to be finite.
     fn pressure(&self, slave: usize, gap: f64) -> NormalPressure;
 
+    /// The gap c at which the pressure begins as the contact closes. Friction of a slave that was open by g₀ when a step was
+    /// [accepted](crate::ContactInterface::accept) counts from its place of touch, which is estimated with g₀ − c. It has to be finite.
+    fn onset(&self, _slave: usize) -> f64 {
+        0.0
+    }
+
     /// By how much ∂p/∂g differs from central differences of p over 2 `step`, relative to the larger of both: about
     /// `step`² where p is smooth. A check of a law of one's own.
     fn derivative_error(&self, slave: usize, gap: f64, step: f64) -> f64 {
@@ -62,6 +68,20 @@ impl NormalLaw for TabulatedPressure {
     fn pressure(&self, _slave: usize, gap: f64) -> NormalPressure {
         let (pressure, [by_gap, _]) = self.0.extended(gap, 0.0);
         NormalPressure { pressure, by_gap }
+    }
+
+    /// Of the lines that fall from pressure to none, the root of the one at the largest gap; 0 if there is none.
+    fn onset(&self, _slave: usize) -> f64 {
+        let ([gaps, _], pressures) = (&self.0.axes, &self.0.values);
+        let last = gaps.len() - 2;
+        let root = |k: usize| {
+            let ([from, to], [before, after]) = ([gaps[k], gaps[k + 1]], [pressures[k], pressures[k + 1]]);
+            let begins = before > 0.0 || k == 0;
+            let ends = after <= 0.0 || k == last;
+            // From the end without pressure: where that is 0 the root is its gap to the last bit.
+            (before > after && begins && ends).then(|| to + (to - from) * (after / (before - after)))
+        };
+        (0..=last).rev().find_map(root).unwrap_or(0.0)
     }
 }
 
@@ -142,5 +162,30 @@ impl Table {
         }
         let k = axis.partition_point(|&end| end <= x).clamp(1, axis.len() - 1);
         Cell { ends: [axis[k - 1], axis[k]], places: [k - 1, k] }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn tables_begin_where_their_last_line_falls_to_no_pressure() {
+        for (gaps, pressures, onset) in [
+            (&[-0.1, -0.02, 0.0][..], &[41.0, 1.0, 0.0][..], 0.0),
+            (&[-0.1, 0.3], &[4.0, 0.0], 0.3),
+            (&[-0.1, 0.3, 0.5, 1.0], &[4.0, 0.0, 0.0, -1.0], 0.3),
+            // Between two gaps, beyond the last and before the first.
+            (&[-1.0, 1.0], &[3.0, -1.0], 0.5),
+            (&[-2.0, -1.0], &[2.0, 1.0], 0.0),
+            (&[0.0, 1.0], &[-1.0, -2.0], -1.0),
+            // Of two branches the one at the larger gap; pressure that ends nowhere.
+            (&[-2.0, -1.0, 0.0, 1.0], &[1.0, 0.0, 1.0, 0.0], 1.0),
+            (&[-1.0, 0.0], &[1.0, 2.0], 0.0),
+        ] {
+            let table = TabulatedPressure::new(gaps, pressures).unwrap();
+            assert_eq!(table.onset(0), onset, "{gaps:?} {pressures:?}");
+            assert!(table.pressure(0, onset).pressure.abs() < 1e-15 || onset == 0.0);
+        }
     }
 }

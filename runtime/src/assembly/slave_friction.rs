@@ -13,7 +13,8 @@ pub struct SlaveFriction {
     pub state: FrictionState,
     /// On the slave, force per area; force where contacts carry no areas.
     pub traction: Point,
-    /// Since the place of touch or the last accepted step, length.
+    /// From the anchor, or of a slave that was open from its place of touch, length: the elastic slip, and where it slides what it has
+    /// slid in the step besides. With [augmentation](crate::Coulomb::with_augmentation) from where it stuck, without its multiplier.
     pub slip: f64,
 }
 
@@ -49,6 +50,6 @@ fn of(law: &ContactLaw<'_>, k: usize, contact: &ContactView<'_>) -> Result<Slave
     if traction.iter().any(|t| !t.is_finite()) {
         return Err(AssemblyError::ForceOverflow { element: k, penalty: law.penalty, area, gap });
     }
-    let slip = friction.share * (2.0 * slip.half_square).sqrt();
+    let slip = friction.share * slip.since_stuck;
     Ok(SlaveFriction { state: friction.state, traction, slip })
 }

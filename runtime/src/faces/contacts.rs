@@ -26,7 +26,8 @@ pub struct NodeContact {
     pub friction: Point,
     /// Stick, slip or neither.
     pub friction_state: FrictionState,
-    /// How far it slid since its anchor or its place of touch, length.
+    /// From the anchor, or of a node that was open from its place of touch, length: the elastic slip, and where it slides what it has slid
+    /// in the step besides. With [augmentation](crate::Coulomb::with_augmentation) from where it stuck, without its multiplier.
     pub slip: f64,
 }
 

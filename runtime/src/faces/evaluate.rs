@@ -28,7 +28,7 @@ const AT_ONCE: usize = 1 << 16;
 pub(super) struct Averages {
     /// Gap and pressure of each node.
     pub nodes: Vec<NodeContact>,
-    /// With friction in the law the average of ∂g/∂x of each node's points.
+    /// The average of ∂g/∂x of each node's points, if asked for.
     pub normals: Vec<Vector3>,
     /// Of each point whether it has a contact.
     pub is_contact: Vec<bool>,
@@ -59,14 +59,17 @@ impl FaceInterface {
         Ok(())
     }
 
-    /// The average gap at each node, and its pressure.
-    pub(super) fn averages(&self, law: &ContactLaw<'_>) -> Result<Averages, InterfaceError> {
+    /// The average gap at each node, and its pressure; `has_normals`: the mean normals, too, which friction needs.
+    pub(super) fn averages(
+        &self,
+        law: &ContactLaw<'_>,
+        has_normals: bool,
+    ) -> Result<Averages, InterfaceError> {
         let blank = |(k, &slave): (usize, &usize)| {
             NodeContact::without(slave, NoContact::NothingOver { limit: self.limit_around(k) })
         };
         let mut nodes: Vec<NodeContact> = self.nodes.iter().enumerate().map(blank).collect();
-        let (mode, normals) =
-            if law.friction.is_some() { (Mode::Gradient, nodes.len()) } else { (Mode::Value, 0) };
+        let (mode, normals) = if has_normals { (Mode::Gradient, nodes.len()) } else { (Mode::Value, 0) };
         let mut normals = vec![Vector3::zeros(); normals];
         let mut is_contact = Vec::with_capacity(self.points.len());
         // A face's points come one after another.

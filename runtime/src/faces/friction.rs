@@ -21,7 +21,9 @@ use super::{FaceInterface, sort};
 use crate::affine::Carrier;
 use crate::assembly::{AssemblyError, ContactLaw};
 use crate::friction::{Coulomb, FaceTraction, FrictionState, Sliding};
-use crate::interface::{Anchor, FrictionReport, InterfaceError, Results, from_numbers, to_numbers};
+use crate::interface::{
+    Anchor, FrictionReport, InterfaceError, NoContact, Outcome, Results, from_numbers, to_numbers,
+};
 use crate::surface::shape_of;
 use crate::vector::Vector3;
 use crate::{AffinePoint, Mode, Point};
@@ -76,10 +78,23 @@ impl FaceInterface {
             let found = self.traction(law, &friction, (k, node), normal, track)?;
             node.friction = found.value;
             node.friction_state = found.sliding.state;
-            node.slip = found.sliding.share * found.slip.norm();
+            // What a multiplier is worth is no slip.
+            let slip = if track.anchor.origin.is_some() {
+                self.since_stuck(node, normal, track)
+            } else {
+                found.slip
+            };
+            node.slip = found.sliding.share * slip.norm();
             Ok(Some(found))
         });
         tractions.collect()
+    }
+
+    /// P_n of the way since the node stuck.
+    fn since_stuck(&self, node: &NodeContact, normal: Vector3, track: &Track) -> Vector3 {
+        let way = self.within_planes(node, track.way_since_stuck(&self.positions));
+        let along = self.within_planes(node, normal).try_normalize().unwrap_or_default();
+        way - along * along.dot(&way)
     }
 
     fn traction(
@@ -123,30 +138,36 @@ impl FaceInterface {
         })
     }
 
-    /// Accepts the state at the positions of the moment as the end of a step: friction of the next one is measured from here. Without
-    /// friction in the law nothing happens.
+    /// Accepts the state at the positions of the moment as the end of a step: friction of the next one is measured from here.
     ///
     /// To be called as [`ContactInterface::accept`](crate::ContactInterface::accept): once before the first step, after a refresh, and
     /// whenever a step has converged. Nodes that carry pressure without a history, as they had nothing over them when the step before was
-    /// accepted, are counted as unanchored.
+    /// accepted, are counted as unanchored. A node whose result is not known, [`NoContact::BeyondWindow`], keeps what it had.
     ///
     /// # Errors
     /// [`InterfaceError::Law`], [`InterfaceError::NotRefreshed`], [`InterfaceError::OutOfMemory`]. The history then stays.
     pub fn accept(&mut self, law: &ContactLaw<'_>) -> Result<FrictionReport, InterfaceError> {
-        let Some(friction) = law.friction else { return Ok(FrictionReport::default()) };
+        if law.friction.is_none() && self.tracks.is_none() {
+            return Ok(FrictionReport::default());
+        }
         law.validate(self.nodes.len())?;
         if self.cut_at.is_none() {
             return Err(InterfaceError::NotRefreshed);
         }
         let history = self.present_history();
-        let Averages { mut nodes, normals, .. } = self.averages(law)?;
+        let Averages { mut nodes, normals, .. } = self.averages(law, true)?;
         let present = self.present_tracks()?;
+        let is_augmented = law.friction.is_some_and(|friction| friction.is_augmented());
         let mut report = FrictionReport::default();
         let mut tracks = Vec::with_capacity(nodes.len());
         for (k, (node, present)) in nodes.iter_mut().zip(present).enumerate() {
             let old = history.and_then(|tracks| tracks[k].as_ref());
+            let committed = self.tracks.as_ref().and_then(|tracks| tracks[k].as_ref());
+            if let Outcome::None(NoContact::BeyondWindow { .. }) = node.outcome {
+                tracks.push(committed.cloned());
+                continue;
+            }
             let Some(present) = present.filter(|_| node.outcome.is_contact()) else {
-                let committed = self.tracks.as_ref().and_then(|tracks| tracks[k].as_ref());
                 report.dropped += usize::from(committed.is_some_and(|old| old.anchor.opening == 0.0));
                 tracks.push(None);
                 continue;
@@ -154,14 +175,17 @@ impl FaceInterface {
             let is_open = !(node.pressure > 0.0);
             let closed = old.filter(|_| !is_open);
             report.unanchored += usize::from(!is_open && closed.is_none());
-            let traction = closed.map(|old| self.traction(law, &friction, (k, node), normals[k], old));
-            let traction = traction.transpose()?;
+            let traction = match (&law.friction, closed) {
+                (Some(friction), Some(old)) => {
+                    Some(self.traction(law, friction, (k, node), normals[k], old)?)
+                }
+                _ => None,
+            };
             if let Some(Traction { sliding, slip, .. }) = &traction {
                 report.stuck += usize::from(sliding.state == FrictionState::Stick);
                 report.sliding += usize::from(sliding.state == FrictionState::Slip);
                 report.dissipated += node.area * sliding.dissipated(slip.norm());
             }
-            let is_augmented = friction.is_augmented();
             let track = match (closed, &traction) {
                 (Some(old), Some(Traction { sliding, .. })) if sliding.kept == 1.0 => {
                     old.clone().with_origin(old.anchor.origin.clone().filter(|_| is_augmented))
@@ -170,7 +194,7 @@ impl FaceInterface {
                     let (kept, slip) =
                         traction.as_ref().map_or((0.0, Vector3::zeros()), |of| (of.sliding.kept, of.slip));
                     let drawn = old.map_or(present.clone(), |old| old.towards(&present, 1.0 - kept));
-                    let opening = if is_open { node.gap.max(0.0) } else { 0.0 };
+                    let opening = if is_open { law.opening(k, node.gap)? } else { 0.0 };
                     let slides = traction.as_ref().is_some_and(|of| of.sliding.state == FrictionState::Slip);
                     // Where it sticks from now on: without any slip.
                     let stuck = || drawn.clone().with_slip(Vector3::zeros(), normals[k], &self.positions);
@@ -183,7 +207,7 @@ impl FaceInterface {
         }
         self.tracks = Some(tracks);
         self.augmented = None;
-        Ok(report)
+        Ok(if law.friction.is_some() { report } else { FrictionReport::default() })
     }
 
     /// The history that friction is measured from: that of the last accepted step, or what augmentation made of it.
@@ -200,7 +224,7 @@ impl FaceInterface {
     /// multipliers. Nodes of which `moves` says no stay as they are.
     ///
     /// # Errors
-    /// As [`accept`](Self::accept); [`AssemblyError::NoAugmentation`] for a law without
+    /// As [`accept`](Self::accept); [`AssemblyError::NoAugmentation`] for friction without
     /// [augmentation](crate::Coulomb::with_augmentation). Nothing is changed then.
     pub fn augment(
         &mut self,
@@ -237,14 +261,18 @@ impl FaceInterface {
         law: &ContactLaw<'_>,
         moves: impl Fn(usize) -> bool,
     ) -> Result<(Option<Vec<Option<Track>>>, Vec<f64>), InterfaceError> {
-        let Some(friction) = law.friction.filter(Coulomb::is_augmented) else {
-            return Err(AssemblyError::NoAugmentation.into());
+        let Some(friction) = law.friction else {
+            law.validate(self.nodes.len())?;
+            return Ok((None, vec![0.0; self.nodes.len()]));
         };
+        if !friction.is_augmented() {
+            return Err(AssemblyError::NoAugmentation.into());
+        }
         law.validate(self.nodes.len())?;
         if self.cut_at.is_none() {
             return Err(InterfaceError::NotRefreshed);
         }
-        let Averages { nodes, normals, .. } = self.averages(law)?;
+        let Averages { nodes, normals, .. } = self.averages(law, true)?;
         let mut errors = vec![0.0; nodes.len()];
         let (Some(committed), Some(present)) = (&self.tracks, self.present_history()) else {
             return Ok((None, errors));
@@ -258,10 +286,7 @@ impl FaceInterface {
             }
             let Traction { slip, sliding, .. } = self.traction(law, &friction, (k, node), normals[k], old)?;
             let stuck = old.clone().at_origin();
-            let normal = self.within_planes(node, normals[k]);
-            let way = self.within_planes(node, stuck.way(&self.positions));
-            let along = normal.try_normalize().unwrap_or_default();
-            let since_stuck = way - along * along.dot(&way);
+            let since_stuck = self.since_stuck(node, normals[k], old);
             errors[k] = sliding.error(slip, since_stuck);
             let slid = since_stuck * sliding.share;
             let with_slip = |track: Track, slip: Vector3| track.with_slip(slip, normals[k], &self.positions);
@@ -356,11 +381,22 @@ impl FaceInterface {
     /// parts of [`split_history`](crate::interface::split_history) go with a node from window to window.
     #[must_use]
     pub fn history(&self) -> Vec<f64> {
+        self.numbers_of(self.tracks.as_deref())
+    }
+
+    /// The history that friction is measured from at the moment: [`history`](Self::history) with the rounds of [`augment`](Self::augment)
+    /// since the last accepted step.
+    #[must_use]
+    pub fn augmented_history(&self) -> Vec<f64> {
+        self.numbers_of(self.present_history())
+    }
+
+    fn numbers_of(&self, tracks: Option<&[Option<Track>]>) -> Vec<f64> {
         let point = |track: &Option<Track>| {
             let Some(Track { own, anchor }) = track else { return [None, None] };
             [Some(Anchor::new(own.clone())), Some(anchor.clone())]
         };
-        self.tracks.as_deref().map_or_else(Vec::new, |tracks| {
+        tracks.map_or_else(Vec::new, |tracks| {
             to_numbers(&tracks.iter().flat_map(point).collect::<Vec<Option<Anchor>>>(), |node| {
                 self.number_of(node)
             })

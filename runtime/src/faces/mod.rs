@@ -485,7 +485,7 @@ impl FaceInterface {
         if self.cut_at.is_none() {
             return Err(InterfaceError::NotRefreshed);
         }
-        let Averages { mut nodes, normals, is_contact } = self.averages(law)?;
+        let Averages { mut nodes, normals, is_contact } = self.averages(law, law.friction.is_some())?;
         let tractions = self.tractions(law, &mut nodes, &normals)?;
         let mut contacts = FaceContacts { nodes, mode, missed: self.unplaced, ..FaceContacts::default() };
         if mode >= Mode::Gradient {

@@ -12,7 +12,7 @@ const ON_A_LINE: f64 = 1e-10;
 pub(super) struct Track {
     /// x_A of the last accepted step.
     pub own: AffinePoint,
-    /// y_A of then, and the gap if it was open.
+    /// y_A of then, and what it was open by.
     pub anchor: Anchor,
 }
 
@@ -31,8 +31,17 @@ impl Track {
 
     /// d
     pub fn way(&self, positions: &[Point]) -> Vector3 {
+        self.way_from(&self.anchor.point, positions)
+    }
+
+    /// d from where it stuck, without what a multiplier is worth.
+    pub fn way_since_stuck(&self, positions: &[Point]) -> Vector3 {
+        self.way_from(self.anchor.stuck_at(), positions)
+    }
+
+    fn way_from(&self, anchor: &AffinePoint, positions: &[Point]) -> Vector3 {
         let at = |point: &AffinePoint| point.position(|carrier| positions[carrier.node as usize]);
-        Vector3::from(at(&self.own)) - Vector3::from(at(&self.anchor.point))
+        Vector3::from(at(&self.own)) - Vector3::from(at(anchor))
     }
 
     /// (1 − t) of this and t of another one.

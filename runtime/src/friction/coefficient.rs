@@ -106,7 +106,7 @@ pub(super) struct AtRate {
     pub rate: f64,
 }
 
-/// What the search for the slip rate needs to know: F(v) = ε_T (w s − v Δt) − min(μ(p, v) p, τ), positive for v = 0.
+/// What the search for the slip rate needs to know: F(v) = ε_T (w s − v w Δt) − min(μ(p, v) p, τ), positive for v = 0.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct SlipRate {
     /// w s, length.
@@ -117,8 +117,8 @@ pub(super) struct SlipRate {
     pub stiffness: f64,
     /// τ, force.
     pub limit: f64,
-    /// Δt
-    pub duration: f64,
+    /// w Δt
+    pub in_touch: f64,
 }
 
 impl SlipRate {
@@ -126,17 +126,17 @@ impl SlipRate {
     /// What rounding makes of F, over ε_T w s.
     const ROUNDING: f64 = 8.0 * f64::EPSILON;
 
-    /// The rate at which the elastic slip has the traction that the coefficient allows: a root of F between 0 and w s/Δt, by Newton's
+    /// The rate at which the elastic slip has the traction that the coefficient allows: a root of F between 0 and s/Δt, by Newton's
     /// iteration within the bracket. A coefficient that is no number ends it with one.
     pub fn find(&self, coefficient: impl Fn(f64) -> CoefficientValue) -> AtRate {
-        let Self { slip, pressure, stiffness, limit, duration } = *self;
-        let (mut low, mut high) = (0.0, slip / duration);
+        let Self { slip, pressure, stiffness, limit, in_touch } = *self;
+        let (mut low, mut high) = (0.0, slip / in_touch);
         // What slides if the coefficient of rest remains.
-        let mut rate = (slip - (coefficient(0.0).value * pressure).min(limit) / stiffness) / duration;
+        let mut rate = (slip - (coefficient(0.0).value * pressure).min(limit) / stiffness) / in_touch;
         for _ in 0..Self::ITERATIONS {
             let at = coefficient(rate);
             let strength = at.value * pressure;
-            let excess = stiffness * (slip - rate * duration) - strength.min(limit);
+            let excess = stiffness * (slip - rate * in_touch) - strength.min(limit);
             let is_done =
                 excess.abs() <= Self::ROUNDING * stiffness * slip || high - low <= f64::EPSILON * high;
             if is_done || !excess.is_finite() {
@@ -148,7 +148,7 @@ impl SlipRate {
                 high = rate
             }
             let by_rate = if strength < limit { at.by_rate * pressure } else { 0.0 };
-            let next = rate + excess / (stiffness * duration + by_rate);
+            let next = rate + excess / (stiffness * in_touch + by_rate);
             rate = if next > low && next < high { next } else { 0.5 * (low + high) };
         }
         AtRate { coefficient: coefficient(rate), rate }
@@ -208,7 +208,7 @@ mod tests {
                     continue;
                 }
                 assert_eq!(force.state, FrictionState::Slip);
-                let rate = (force.share * slip - traction / 100.0) / 0.25;
+                let rate = (force.share * slip - traction / 100.0) / (0.25 * force.share);
                 let expected = 10.0 * coefficient.coefficient(10.0, rate).value;
                 assert!((traction - expected).abs() < 1e-13, "{traction} {expected}");
                 let h = 1e-6;

@@ -10,12 +10,12 @@
 //! ```
 //!
 //! A law with a shear limit slides at min(μ p, τ) instead of μ p: metals yield below the surface before high pressures make it stick.
-//! μ may be a [`FrictionCoefficient`] of pressure and slip rate. The rate is that of what slides, v = (w s − c s/ε_T)/Δt: the traction is
-//! the root of an equation, and its derivatives are those of the root.
+//! μ may be a [`FrictionCoefficient`] of pressure and slip rate. The rate is that of what slides, v = (w s − c s/ε_T)/(w Δt) with w as
+//! below: the traction is the root of an equation, and its derivatives are those of the root.
 //!
 //! w is the part of the slip since the place of touch: 1 for a contact that was closed when the last step was accepted. One that
 //! was open by g₀ has slid from its foot of then to its foot of now while the gap went from g₀ to the present one. It touched at
-//! 1 − w of the way: w = p/(p + ε g₀). Friction begins with the pressure, without a jump.
+//! 1 − w of the way, and of the time: w = p/(p + ε g₀). Friction begins with the pressure, without a jump.
 //!
 //! q does not change under rigid motions of slave, masters and anchor together: the forces balance, and so do their moments.
 
@@ -101,6 +101,8 @@ impl<'a> Coulomb<'a> {
 
     /// The law with a coefficient of pressure and slip rate in a step that lasts `duration` > 0, and the tangential stiffness ε_T > 0.
     ///
+    /// The slip rate of a contact that closes in the step is over the part of the duration since its place of touch.
+    ///
     /// Where μ falls with the rate so fast that p |∂μ/∂v| > ε_T `duration`, the elastic slip snaps: a contact that begins to slide
     /// then loses traction at once.
     ///
@@ -184,11 +186,12 @@ impl<'a> Coulomb<'a> {
         }
     }
 
-    /// μ, with derivatives by the normal force, and the rate of a contact that slides by w s; `None` for a constant coefficient.
-    fn sliding_coefficient(&self, pressure: f64, slip: f64) -> Option<(AtRate, f64)> {
+    /// μ, with derivatives by the normal force, and the rate of a contact that has slid by w s in w Δt; `None` for a constant coefficient.
+    fn sliding_coefficient(&self, pressure: f64, slip: f64, share: f64) -> Option<(AtRate, f64)> {
         let Coefficient::Variable { law, duration, area } = self.coefficient else { return None };
         let (stiffness, limit) = (self.stiffness, self.shear_limit);
-        let found = SlipRate { slip, pressure, stiffness, limit, duration }.find(|rate| {
+        let in_touch = share * duration;
+        let found = SlipRate { slip: share * slip, pressure, stiffness, limit, in_touch }.find(|rate| {
             let by_area = law.coefficient(pressure / area, rate).or_nan();
             CoefficientValue { by_pressure: by_area.by_pressure / area, ..by_area }
         });
@@ -223,11 +226,8 @@ impl<'a> Coulomb<'a> {
         if sliding.state == FrictionState::Stick {
             return at_rest;
         }
-        let slid = sliding.share * Vector3::from(slip).norm();
-        let Some((AtRate { coefficient: found, rate }, duration)) = self.sliding_coefficient(pressure, slid)
-        else {
-            return at_rest;
-        };
+        let found = self.sliding_coefficient(pressure, Vector3::from(slip).norm(), sliding.share);
+        let Some((AtRate { coefficient: found, rate }, duration)) = found else { return at_rest };
         if found.value * pressure >= shear_limit {
             return made(&at(found.value));
         }
@@ -290,10 +290,9 @@ impl<'a> Coulomb<'a> {
         };
         let mut results = at(at_rest);
         let coulomb::Values { share, slides, .. } = results.values;
-        let slid = share * (2.0 * half_square).sqrt();
         if slides > 0.0
             && let Some((AtRate { coefficient: found, rate }, duration)) =
-                self.sliding_coefficient(pressure, slid)
+                self.sliding_coefficient(pressure, (2.0 * half_square).sqrt(), share)
         {
             if found.value * pressure >= shear_limit {
                 results = at(found.value);

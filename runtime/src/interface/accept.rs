@@ -14,10 +14,9 @@ use super::scratch::ElementScratch;
 use super::{ContactElement, ContactInterface, InterfaceError, NoContact};
 use crate::affine::Carrier;
 use crate::assembly::{AssemblyError, ContactLaw};
-use crate::friction::{Coulomb, FrictionForce, FrictionState};
+use crate::friction::{FrictionForce, FrictionState};
 use crate::scratch::Pool;
 use crate::surface::Symmetry;
-use crate::vector::Vector3;
 use crate::{AffinePoint, Backend, ContactPoint, FacetElement, Gap, Generated, Mode, Point, Slip, Weight};
 
 /// What friction did in a step that was accepted, in numbers of slaves, and its work.
@@ -72,25 +71,29 @@ impl FrictionReport {
 }
 
 impl ContactInterface {
-    /// Accepts the state at the positions of the moment as the end of a step: friction of the next one is measured from here. Without
-    /// friction in the law nothing happens.
+    /// Accepts the state at the positions of the moment as the end of a step: friction of the next one is measured from here.
+    ///
+    /// Without friction in the law all slaves slide freely: where there is a history their feet become their anchors, and all counts are 0.
+    /// Without a history nothing happens then.
     ///
     /// To be called once before the first step, after a refresh, and then whenever a step has converged, with the multipliers that it was
     /// solved with: before they are updated. Until then nothing of the history changes: a host that cuts a step back has only to go
     /// on from the positions it began with. A slave that sticks keeps its anchor; one that slides draws it along; of one that is open the
-    /// foot becomes it.
+    /// foot becomes it. A slave whose result is not known, [`NoContact::BeyondWindow`], keeps what it had.
     ///
     /// # Errors
     /// As [`check_friction`](Self::check_friction); [`InterfaceError::Law`] for a law that is none; [`InterfaceError::NotRefreshed`]
     /// before the first refresh. The history then stays.
     pub fn accept(&mut self, law: &ContactLaw<'_>) -> Result<FrictionReport, InterfaceError> {
-        let Some(friction) = law.friction else { return Ok(FrictionReport::default()) };
+        if law.friction.is_none() && self.anchors.is_none() {
+            return Ok(FrictionReport::default());
+        }
         self.check_accepted(law)?;
         self.check_refreshed()?;
-        let (anchors, report) = self.evaluator().accept(&self.pairings, law, &friction, &self.elements)?;
+        let (anchors, report) = self.evaluator().accept(&self.pairings, law, &self.elements)?;
         self.anchors = Some(anchors);
         self.augmented = None;
-        Ok(report)
+        Ok(if law.friction.is_some() { report } else { FrictionReport::default() })
     }
 
     fn check_accepted(&self, law: &ContactLaw<'_>) -> Result<(), InterfaceError> {
@@ -102,12 +105,12 @@ impl ContactInterface {
     /// A round of Uzawa's iteration for friction: the traction of each slave that carries force becomes its multiplier, so that the next
     /// equilibrium has less slip where it sticks, and a traction that is closer to opposite where it slides. To be called in an
     /// equilibrium whose [`slip_errors`](Self::slip_errors) are too large, with the law that it was solved with; then evaluate again. Slaves
-    /// of which `moves` says no stay as they are: there no multiplier can help.
+    /// of which `moves` says no stay as they are: there no multiplier can help. Without friction in the law nothing happens.
     ///
     /// The multipliers are part of the step on its way. [`accept`](Self::accept) takes them over, [`roll_back`](Self::roll_back) forgets them.
     ///
     /// # Errors
-    /// As [`accept`](Self::accept); [`AssemblyError::NoAugmentation`] for a law without
+    /// As [`accept`](Self::accept); [`AssemblyError::NoAugmentation`] for friction without
     /// [augmentation](crate::Coulomb::with_augmentation). Nothing is changed then.
     pub fn augment(
         &mut self,
@@ -121,8 +124,8 @@ impl ContactInterface {
         Ok(())
     }
 
-    /// How far each slave is from Coulomb's law without ε_T, length: its slip in the step where it sticks, and what of it is not along the
-    /// traction where it slides; 0 without force or anchor.
+    /// How far each slave is from Coulomb's law without ε_T, length: its slip since it stuck where it sticks, and what of it is not along
+    /// the traction where it slides; 0 without force, anchor or friction.
     ///
     /// # Errors
     /// As [`augment`](Self::augment).
@@ -144,7 +147,11 @@ impl ContactInterface {
         law: &ContactLaw<'_>,
         moves: impl Fn(usize) -> bool + Sync,
     ) -> Result<(Option<Vec<Option<Anchor>>>, Vec<f64>), InterfaceError> {
-        if !law.friction.is_some_and(|friction| friction.is_augmented()) {
+        let Some(friction) = law.friction else {
+            law.validate(self.slaves().len())?;
+            return Ok((None, vec![0.0; self.slaves().len()]));
+        };
+        if !friction.is_augmented() {
             return Err(AssemblyError::NoAugmentation.into());
         }
         self.check_accepted(law)?;
@@ -173,12 +180,29 @@ impl ContactInterface {
     /// [slave by slave](super::split_history).
     #[must_use]
     pub fn history(&self) -> Vec<f64> {
-        self.anchors.as_deref().map_or_else(Vec::new, |anchors| {
+        self.numbers_of(self.anchors.as_deref())
+    }
+
+    /// The history that friction is measured from at the moment: [`history`](Self::history) with the rounds of [`augment`](Self::augment)
+    /// since the last accepted step.
+    #[must_use]
+    pub fn augmented_history(&self) -> Vec<f64> {
+        self.numbers_of(self.present_anchors())
+    }
+
+    fn numbers_of(&self, anchors: Option<&[Option<Anchor>]>) -> Vec<f64> {
+        anchors.map_or_else(Vec::new, |anchors| {
             to_numbers(anchors, |node| match &self.known {
                 Some(known) => known.number_of(node).map_or(f64::NAN, |number| number as f64),
                 None => f64::from(node),
             })
         })
+    }
+
+    /// Whether a state was [accepted](Self::accept) since the history began.
+    #[must_use]
+    pub const fn has_history(&self) -> bool {
+        self.anchors.is_some()
     }
 
     /// Goes on from a [`history`](Self::history), bit for bit; no numbers are no history. If it is another one than the present, all
@@ -239,17 +263,23 @@ impl Evaluator<'_> {
         &self,
         pairings: &Pairings,
         law: &ContactLaw<'_>,
-        friction: &Coulomb<'_>,
         pool: &Pool<ElementScratch>,
     ) -> Result<(Vec<Option<Anchor>>, FrictionReport), InterfaceError> {
-        let accepted = self.of_all(pairings, law, pool, |slave| accept_one(slave, friction))?;
+        let is_augmented = law.friction.is_some_and(|friction| friction.is_augmented());
+        let accepted = self.of_all(pairings, law, pool, |slave| accept_one(slave, is_augmented))?;
         let mut report = FrictionReport::default();
-        for (k, one) in accepted.iter().enumerate() {
+        let mut anchors = Vec::with_capacity(accepted.len());
+        for (k, one) in accepted.into_iter().enumerate() {
             let committed = self.committed.and_then(|anchors| anchors[k].as_ref());
+            if let (None, Err(NoContact::BeyondWindow { .. })) = (&one, pairings.get(k)) {
+                anchors.push(committed.cloned());
+                continue;
+            }
             let was_closed = committed.is_some_and(|anchor| anchor.opening == 0.0);
             report.add(one.as_ref(), was_closed);
+            anchors.push(one.map(|one| one.anchor));
         }
-        Ok((accepted.into_iter().map(|one| Some(one?.anchor)).collect(), report))
+        Ok((anchors, report))
     }
 
     /// A round of augmentation; `None` without contact.
@@ -304,7 +334,9 @@ impl Evaluator<'_> {
             let (half_square, opening) = (slip.half_square, old.opening);
             return Err(AssemblyError::InvalidSlip { element: k, half_square, opening }.into());
         }
-        Ok(f(&Sticking { k, old, is_open: !(pressed.force > 0.0), force, slip: &slip, terms }))
+        let is_open = !(pressed.force > 0.0);
+        let opening = if is_open { law.opening(k, gap)? } else { 0.0 };
+        Ok(f(&Sticking { k, old, is_open, opening, force, slip: &slip, terms }))
     }
 
     /// The slip of a diffuse element, and the carriers of its foot.
@@ -352,12 +384,9 @@ impl Evaluator<'_> {
             return Some(Round { anchor: Some(old.clone()), error: 0.0 });
         }
         let foot = slave.foot()?;
-        let Gap { foot: at, normal, .. } = slave.slip.contact;
-        let (at, normal) = (Vector3::from(at), Vector3::from(normal));
-        let slip_from = |point: &AffinePoint| {
-            let way = at - Vector3::from(point.position(|carrier| self.place_of(carrier)));
-            way - normal * normal.dot(&way)
-        };
+        let Gap { gap, foot: at, normal, .. } = slave.slip.contact;
+        let at = ContactPoint { gap, foot: at, normal };
+        let slip_from = |point: &AffinePoint| self.slip_from(point, &at);
         let sliding = force.sliding();
         let error = sliding.error(slip_from(&old.point), slip_from(old.stuck_at()));
         // From the place of touch on the contact is one that was closed.
@@ -373,6 +402,8 @@ struct Sticking<'a> {
     k: usize,
     old: Option<&'a Anchor>,
     is_open: bool,
+    /// How far an open contact is from carrying force, length; else 0.
+    opening: f64,
     force: Option<FrictionForce>,
     slip: &'a Slip,
     /// The foot's carriers and weights.
@@ -394,24 +425,23 @@ struct Round {
     error: f64,
 }
 
-fn accept_one(slave: &Sticking<'_>, friction: &Coulomb<'_>) -> Option<Accepted> {
-    let &Sticking { old, is_open, force, slip, .. } = slave;
+fn accept_one(slave: &Sticking<'_>, is_augmented: bool) -> Option<Accepted> {
+    let &Sticking { old, is_open, opening, force, slip, .. } = slave;
     let kept = force.map_or(0.0, |force| force.kept);
     let (point, origin) = match old {
         Some(old) if kept == 1.0 && !is_open => {
-            (old.point.clone(), old.origin.clone().filter(|_| friction.is_augmented()))
+            (old.point.clone(), old.origin.clone().filter(|_| is_augmented))
         }
         _ => {
             let foot = slave.foot()?;
             let slides = force.is_some_and(|force| force.state == FrictionState::Slip);
-            let origin = (slides && friction.is_augmented()).then(|| foot.clone());
-            let drawn = old.filter(|_| !is_open).map(|old| old.point.towards(&foot, 1.0 - kept));
-            (drawn.unwrap_or(foot), origin)
+            let origin = (slides && is_augmented).then(|| foot.clone());
+            let dragged = old.filter(|_| !is_open && force.is_some());
+            (dragged.map_or_else(|| foot.clone(), |old| old.point.towards(&foot, 1.0 - kept)), origin)
         }
     };
-    let gap = slip.contact.gap;
     Some(Accepted {
-        anchor: Anchor { point, opening: if is_open { gap.max(0.0) } else { 0.0 }, origin },
+        anchor: Anchor { point, opening, origin },
         state: force.map(|force| force.state),
         is_open,
         dissipated: force.map_or(0.0, |force| force.dissipated(slip.length())),

@@ -16,7 +16,8 @@ use crate::surface::{MasterSurface, NONE, Symmetry};
 pub struct Anchor {
     /// The material point of the master that the slip is measured from: where the slave stuck, or its foot if it was open.
     pub point: AffinePoint,
-    /// The gap if the contact was open, length; else 0. The slip of a contact that closes begins at the place of touch.
+    /// How far the contact was from carrying force if it was open, length: the gap, but for [normal laws](crate::assembly::NormalLaw::onset)
+    /// whose pressure begins elsewhere; else 0. The slip of a contact that closes begins at the place of touch.
     pub opening: f64,
     /// With augmentation: where the slave stuck. The way from here to `point` is the tangential multiplier over ε_T. `None`: at `point`.
     pub origin: Option<AffinePoint>,

@@ -122,6 +122,7 @@ pub struct Tracked {
     pub is_anchored: bool,
     /// q
     pub half_square: f64,
+    pub since_stuck: f64,
     pub opening: f64,
 }
 
@@ -330,7 +331,8 @@ impl Results {
         let (gradient, hessian) = derivatives(&self.of_gap, true);
         let slip = self.slips.get(k - self.first).map(|slip| {
             let (gradient, hessian) = derivatives(&self.of_slip, slip.is_anchored);
-            SlipView { half_square: slip.half_square, opening: slip.opening, gradient, hessian }
+            let Tracked { half_square, since_stuck, opening, .. } = *slip;
+            SlipView { half_square, since_stuck, opening, gradient, hessian }
         });
         ContactRef {
             slave: layout.slaves[k],

@@ -3,6 +3,7 @@
 use diffuse_contact_kernels::support::{ElementInputs, Masters};
 
 use super::anchors::Anchor;
+use super::contacts::Tracked;
 use super::nodal::Nodal;
 use super::pairings::Paired;
 use super::scratch::ElementScratch;
@@ -10,9 +11,10 @@ use super::{ContactElement, InterfaceOptions, NoContact};
 use crate::affine::Carrier;
 use crate::element::nearest_in_plane;
 use crate::surface::{BorderScratch, Creases, MasterSurface, OwnSurface, Shape};
+use crate::vector::Vector3;
 use crate::{
-    ContactPoint, Domains, Element, ElementError, FacetElement, Frame, FrameDerivative, Generated, Mode,
-    Point, Weight,
+    AffinePoint, ContactPoint, Domains, Element, ElementError, FacetElement, Frame, FrameDerivative,
+    Generated, Mode, Point, Weight,
 };
 
 /// In facets: a slave as deep as this whose own place is as far beyond the border has no foot inside.
@@ -51,6 +53,23 @@ impl Evaluator<'_> {
     /// Where an anchor is now.
     pub fn anchor_position(&self, anchor: &Anchor) -> Point {
         anchor.point.position(|carrier| self.place_of(carrier))
+    }
+
+    /// P_ν of the way from a point of the master to the slave with this contact, length.
+    pub fn slip_from(&self, point: &AffinePoint, contact: &ContactPoint) -> Vector3 {
+        let (at, normal) = (Vector3::from(contact.foot), Vector3::from(contact.normal));
+        let way = at - Vector3::from(point.position(|carrier| self.place_of(carrier)));
+        way - normal * normal.dot(&way)
+    }
+
+    /// What an evaluation notes of a slip from this anchor.
+    pub fn tracked(&self, anchor: &Anchor, half_square: f64, contact: &ContactPoint) -> Tracked {
+        // What a multiplier is worth is no slip.
+        let since_stuck = match &anchor.origin {
+            Some(origin) => self.slip_from(origin, contact).norm(),
+            None => (2.0 * half_square).sqrt(),
+        };
+        Tracked { is_anchored: true, half_square, since_stuck, opening: anchor.opening }
     }
 
     /// Where a node is, or an image of one.

@@ -129,7 +129,7 @@ impl<'s> Run<'s> {
         &self,
         place: usize,
         paired: &Paired<'_>,
-        (half_square, numbers): (f64, (&[f64], &[f64])),
+        (contact, half_square, numbers): (&ContactPoint, f64, (&[f64], &[f64])),
         slot: &mut Slot<'_>,
         (carriers, rows): (&mut Vec<AnchorSource>, &mut Vec<f64>),
     ) {
@@ -138,7 +138,7 @@ impl<'s> Run<'s> {
         let (sources, symmetry) = (&all.sources[own.range.clone()], &nodal.symmetry);
         if let Some(anchor) = self.anchor_of(slot) {
             anchor_sources(paired, anchor, carriers);
-            let tracked = Tracked { is_anchored: true, half_square, opening: anchor.opening };
+            let tracked = self.evaluator.tracked(anchor, half_square, contact);
             fold_both(numbers, tracked, slot, (sources, carriers), symmetry, rows);
         } else if paired.has_others() {
             fold(numbers, (slot.gradient, slot.hessian), sources, symmetry);
@@ -193,7 +193,7 @@ impl Evaluator<'_> {
             if let Some(slip) = &mut slot.slip {
                 *slip.tracked = Tracked::default();
                 if let (Some(anchor), true) = (self.anchor(slot.index), mode >= Mode::Gradient) {
-                    self.fill_slip_of_facet(&paired, anchor, mode, slip, scratch)?;
+                    self.fill_slip_of_facet(&paired, (anchor, &point), mode, slip, scratch)?;
                 }
             }
             Ok((point, paired.record.fallback))
@@ -205,7 +205,7 @@ impl Evaluator<'_> {
     fn fill_slip_of_facet(
         &self,
         paired: &Paired<'_>,
-        anchor: &Anchor,
+        (anchor, contact): (&Anchor, &ContactPoint),
         mode: Mode,
         slip: &mut SlipSlot<'_>,
         scratch: &mut ElementScratch,
@@ -228,7 +228,7 @@ impl Evaluator<'_> {
             &Symmetry::default(),
             rows,
         );
-        *slip.tracked = Tracked { is_anchored: true, half_square, opening: anchor.opening };
+        *slip.tracked = self.tracked(anchor, half_square, contact);
         Ok(())
     }
 
@@ -315,8 +315,8 @@ impl Evaluator<'_> {
                 Border::Tested => self.within_border(paired, contact_point(&element.values), border),
                 Border::Met => contact_point(&element.values).map_err(NoContact::from),
             };
-            if point.is_ok() {
-                let derivatives = (element.values.slip, (&*element.gradient, &*element.hessian));
+            if let Ok(contact) = &point {
+                let derivatives = (contact, element.values.slip, (&*element.gradient, &*element.hessian));
                 run.fold(*place, paired, derivatives, &mut slots[*place], (carriers, rows));
             }
             results[index] = point.map(|point| (point, paired.record.fallback));

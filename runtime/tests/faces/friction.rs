@@ -135,6 +135,24 @@ fn without_a_coefficient_every_bit_is_frictionless() {
 }
 
 /// A step that is given up leaves no trace.
+/// What slid freely is no slip of the next step with friction.
+#[test]
+fn a_step_without_friction_leaves_no_slip_behind() {
+    let none = law().with_friction(Some(Coulomb::new(0.0, STIFFNESS).unwrap()));
+    for free in [ContactLaw::penalty(50.0), none] {
+        let pair = bumps(false);
+        let mut own = interface(&pair, ContactElement::default(), &[]);
+        assert_eq!(own.accept(&free), Ok(Default::default()));
+        own.refresh(&moved(&pair, 1.0)).unwrap();
+        let nodes = own.evaluate(&law(), Mode::Value).unwrap().nodes();
+        let loaded = nodes.iter().filter(|node| node.pressure > 0.0);
+        assert!(loaded.clone().count() > 8);
+        for node in loaded {
+            assert!(node.slip < 1e-12 && Vector3::from(node.friction).norm() < 1e-10, "{node:?}");
+        }
+    }
+}
+
 #[test]
 fn a_step_that_is_given_up_changes_nothing() {
     let pair = bumps(false);

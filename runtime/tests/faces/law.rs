@@ -39,6 +39,20 @@ impl NormalLaw for Bad {
     }
 }
 
+/// Pressure that begins nowhere.
+#[derive(Debug)]
+struct Nowhere;
+
+impl NormalLaw for Nowhere {
+    fn pressure(&self, _slave: usize, _gap: f64) -> NormalPressure {
+        NormalPressure { pressure: 0.0, by_gap: 0.0 }
+    }
+
+    fn onset(&self, _slave: usize) -> f64 {
+        f64::NAN
+    }
+}
+
 impl FrictionCoefficient for Bad {
     fn coefficient(&self, _pressure: f64, _rate: f64) -> CoefficientValue {
         CoefficientValue { value: -0.1, by_pressure: 0.0, by_rate: 0.0 }
@@ -47,12 +61,18 @@ impl FrictionCoefficient for Bad {
 
 /// A flat block on a flat plate, pressed 0.02 deep and moved along x since it was accepted.
 fn block(law: &ContactLaw<'_>, by: f64) -> (Pair, FaceInterface, Vec<Point>) {
-    let pair = Pair::new([6, 5], false, |x, y| [x, y, 0.0], |x, y| [1.0 + 0.6 * x, 1.0 + 0.5 * y, -0.02]);
+    closing_block(law, -0.02, [by, 0.0])
+}
+
+/// The same at a gap when it was accepted, moved along x and z.
+fn closing_block(law: &ContactLaw<'_>, gap: f64, by: [f64; 2]) -> (Pair, FaceInterface, Vec<Point>) {
+    let pair = Pair::new([6, 5], false, |x, y| [x, y, 0.0], |x, y| [1.0 + 0.6 * x, 1.0 + 0.5 * y, gap]);
     let mut own = pair.interface(ContactElement::default(), FaceRule::Second);
     own.refresh(&pair.positions).unwrap();
     own.accept(law).unwrap();
     let first = pair.first_slave;
-    let moved = |(k, &[x, y, z]): (usize, &Point)| [if k < first { x } else { x + by }, y, z];
+    let moved =
+        |(k, &[x, y, z]): (usize, &Point)| if k < first { [x, y, z] } else { [x + by[0], y, z + by[1]] };
     let moved: Vec<Point> = pair.positions.iter().enumerate().map(moved).collect();
     own.refresh(&moved).unwrap();
     (pair, own, moved)
@@ -112,7 +132,7 @@ fn laws_that_give_no_numbers_are_refused() {
             block(&ContactLaw::penalty(50.0).with_friction(Coulomb::new(0.3, 1.0).ok()), 0.05);
         let history = own.history();
         assert_eq!(own.evaluate(law, Mode::Gradient).unwrap_err().code(), code);
-        assert_eq!(own.accept(law).err().map(|error| error.code()), law.friction.map(|_| code));
+        assert_eq!(own.accept(law).err().map(|error| error.code()), Some(code));
         assert_eq!(own.history(), history);
     };
     let plain = ContactLaw::penalty(50.0);
@@ -120,10 +140,45 @@ fn laws_that_give_no_numbers_are_refused() {
     refused(&plain.with_normal(Some(&Bad)).with_multipliers(Some(&[])), "multipliers-of-own-law");
     let friction = Coulomb::variable(&Bad, DURATION, STIFFNESS).ok();
     refused(&plain.with_friction(friction), "invalid-slip");
+    let (_, mut own, _) = block(&plain.with_friction(Coulomb::new(0.3, 1.0).ok()), 0.05);
+    assert_eq!(own.accept(&plain.with_normal(Some(&Nowhere))).unwrap_err().code(), "invalid-onset");
     for duration in [0.0, f64::NAN] {
         let error = Coulomb::variable(&Falling, duration, STIFFNESS).unwrap_err();
         assert_eq!(error.code(), "invalid-duration");
     }
+}
+
+/// A pressure that begins at a gap of 0.03: a contact that closes has touched there.
+#[test]
+fn contacts_close_where_their_pressure_begins() {
+    let table = TabulatedPressure::new(&[-0.07, 0.03], &[5.0, 0.0]).unwrap();
+    let friction = Coulomb::new(0.9, STIFFNESS).unwrap();
+    let law = ContactLaw::penalty(50.0).with_normal(Some(&table)).with_friction(Some(friction));
+    // From a gap of 0.05 to one of 0.02: a third of the way was in touch.
+    let (pair, mut own, moved) = closing_block(&law, 0.05, [3e-3, -0.03]);
+    for node in own.evaluate(&law, Mode::Value).unwrap().nodes() {
+        assert!((node.pressure - 0.5).abs() < 1e-12, "{node:?}");
+        assert!((node.slip - 1e-3).abs() < 1e-12, "{node:?}");
+        assert!((node.friction[0] + STIFFNESS * 1e-3).abs() < 1e-11, "{node:?}");
+    }
+    assert_tangent_at(&pair, &mut own, &law, &moved, 11);
+}
+
+/// A contact that closes at a constant rate has that rate from its touch on, but for its elastic slip.
+#[test]
+fn contacts_that_close_slide_at_the_rate_of_their_time_in_touch() {
+    let friction = Coulomb::variable(&Falling, DURATION, STIFFNESS).unwrap();
+    let law = ContactLaw::penalty(50.0).with_friction(Some(friction));
+    // A quarter of the way and of the time was in touch.
+    let (pair, mut own, moved) = closing_block(&law, 0.03, [0.2, -0.04]);
+    for node in own.evaluate(&law, Mode::Value).unwrap().nodes() {
+        assert_eq!(node.friction_state, FrictionState::Slip);
+        let traction = Vector3::from(node.friction).norm();
+        let rate = (0.25 * 0.2 - traction / STIFFNESS) / (0.25 * DURATION);
+        let expected = Falling.coefficient(node.pressure, rate).value * node.pressure;
+        assert!((traction - expected).abs() < 1e-12, "{traction} {expected}");
+    }
+    assert_tangent_at(&pair, &mut own, &law, &moved, 11);
 }
 
 /// With the motion given, each round adds ε_T s to the traction of what sticks, until it slides.
@@ -145,12 +200,20 @@ fn augmentation_raises_tractions_until_they_slide() {
     let without = Coulomb::new(0.3, STIFFNESS).ok();
     let refused = own.slip_errors(&ContactLaw::penalty(50.0).with_friction(without)).unwrap_err();
     assert_eq!(refused.code(), "no-augmentation");
+    // Without friction there is nothing to take over.
+    let none = ContactLaw::penalty(50.0);
+    assert_eq!(own.slip_errors(&none), Ok(vec![0.0; own.slaves().len()]));
+    own.augment(&none, |_| true).unwrap();
+    assert_eq!(own.augmented_history(), own.history());
     let (history, before) = (own.history(), own.evaluate(&law, Mode::Gradient).unwrap().clone());
     for round in 1..=3 {
         let (found, state) = traction(&mut own);
         assert!((found - f64::from(round) * STIFFNESS * by).abs() < 1e-12, "{round} {found}");
         assert_eq!(state, FrictionState::Stick);
         assert!(own.slip_errors(&law).unwrap().iter().all(|error| (error - by).abs() < 1e-14));
+        // A multiplier is no slip.
+        let contacts = own.evaluate(&law, Mode::Value).unwrap();
+        assert!(contacts.nodes().iter().all(|node| (node.slip - by).abs() < 1e-14));
         own.augment(&law, |_| true).unwrap();
         own.update(&moved).unwrap();
         assert_eq!(own.history(), history);

@@ -370,6 +370,23 @@ fn narrow_boxes_say_so_and_give_no_other_number() {
     assert!(seen[0] > 50 && seen[1] > 50, "{seen:?}");
 }
 
+/// What is not known of a node ends no history.
+#[test]
+fn nodes_beyond_their_window_keep_their_history() {
+    let whole = Whole::new(Cells::Quadrilaterals, &[]);
+    let own = &partitions(&whole.pair)[1][0];
+    let (mut part, numbers) = whole.part(own, WIDE + LIMIT + SKIN);
+    assert!(part.accept(&friction()).unwrap().unanchored > 10);
+    let history = part.history();
+    let mut far: Vec<Point> = numbers.iter().map(|&node| whole.moved[node]).collect();
+    far[0][2] -= 2.0 * SKIN;
+    part.update(&far).unwrap();
+    for law in [friction(), ContactLaw::penalty(100.0)] {
+        let report = part.accept(&law).unwrap();
+        assert_eq!((report.dropped, part.history()), (0, history.clone()));
+    }
+}
+
 /// A face of second order with a node that nobody has is known to be one: no force goes by its facets instead.
 #[test]
 fn faces_of_second_order_beyond_the_window_say_so() {

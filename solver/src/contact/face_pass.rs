@@ -112,6 +112,10 @@ impl Pass for FacePass {
         self.interface.history()
     }
 
+    fn augmented_anchors(&self) -> Vec<f64> {
+        self.interface.augmented_history()
+    }
+
     fn set_anchors(&mut self, anchors: &[f64]) -> Result<(), InterfaceError> {
         self.interface.set_history(anchors)
     }

@@ -15,8 +15,8 @@ use super::{Coefficient, ContactError, Friction, InteractionOptions};
 pub struct FrictionHistory {
     /// [`history`](diffuse_contact::interface::ContactInterface::history) of the interface; empty before the first increment.
     pub anchors: Vec<f64>,
-    /// The same at the start of the last increment: from there slaves that slid slide on. Empty before there was one, and in what an
-    /// earlier version wrote.
+    /// The same that the last increment was solved with, rounds of augmentation included: from there slaves that slid slide on. Empty before
+    /// there was one, and in what an earlier version wrote.
     #[serde(default)]
     pub anchors_before: Vec<f64>,
     /// How long the last increment lasted.

@@ -54,7 +54,8 @@ pub struct SlaveState {
     pub friction: Point,
     /// Whether it sticks or slides.
     pub friction_state: FrictionState,
-    /// Its way from its anchor since it touched, length: of one that slides, what it slid in the increment and its elastic slip.
+    /// Its way from its anchor since it touched, length: of one that slides, what it slid in the increment and its elastic slip. With
+    /// augmentation from where it stuck.
     pub slip: f64,
     /// Tributary area, length²; 1 if the interface carries none. Over faces, of a slave in contact, the part of it over the master.
     pub area: f64,

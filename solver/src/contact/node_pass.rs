@@ -200,11 +200,15 @@ impl Pass for NodePass {
     }
 
     fn has_history(&self) -> bool {
-        self.interface.anchors().is_some()
+        self.interface.has_history()
     }
 
     fn anchors(&self) -> Vec<f64> {
         self.interface.history()
+    }
+
+    fn augmented_anchors(&self) -> Vec<f64> {
+        self.interface.augmented_history()
     }
 
     fn set_anchors(&mut self, anchors: &[f64]) -> Result<(), InterfaceError> {
@@ -291,7 +295,7 @@ impl Pass for NodePass {
                     let friction = of_slip.first().map_or([0.0; 3], |slip| slip.map(|slip| -factor * slip));
                     let nodal_force =
                         [0, 1, 2].map(|axis| gradient.get(axis).map_or(0.0, |n| force * n) + friction[axis]);
-                    let slipped = contact.slip.map_or(0.0, |slip| (2.0 * slip.half_square).sqrt());
+                    let slipped = contact.slip.map_or(0.0, |slip| slip.since_stuck);
                     let slip = known.map_or(0.0, |known| known.share * slipped);
                     let friction_state = known.map_or(FrictionState::Open, |known| known.state);
                     SlaveState {

@@ -162,6 +162,9 @@ pub trait Pass: std::fmt::Debug {
     /// That history; empty before the first increment.
     fn anchors(&self) -> Vec<f64>;
 
+    /// The same with the rounds of augmentation in the increment on its way.
+    fn augmented_anchors(&self) -> Vec<f64>;
+
     /// Goes on from it.
     fn set_anchors(&mut self, anchors: &[f64]) -> Result<(), InterfaceError>;
 
@@ -262,7 +265,8 @@ pub trait Pass: std::fmt::Debug {
 
     /// Accepts the positions of the moment as the end of an increment.
     fn accept(&mut self) -> Result<FrictionReport, PassError> {
-        let before = self.anchors();
+        // What the increment was solved with: without its rounds its end would not be found again.
+        let before = self.augmented_anchors();
         let report = self.accept_anchors()?;
         let PassState { history, friction, .. } = self.state_mut();
         history.take(before, friction.as_ref(), &report);

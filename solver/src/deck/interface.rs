@@ -99,7 +99,8 @@ pub(super) fn contact(deck: &Section) -> Result<Contact, DeckError> {
     deck.get("contact").map_or(Ok(Contact::Diffuse), |field| field.word(&words))
 }
 
-pub(super) fn interface(section: Section) -> Result<Interface, DeckError> {
+/// An interface of a deck with this element.
+pub(super) fn interface(section: Section, contact: Contact) -> Result<Interface, DeckError> {
     let section = section.expect(schema::INTERFACE)?;
     let flag = |field| section.get(field).map_or(Ok(false), |field| field.flag());
     let refreshes = RefreshRule::ALL.map(|rule| (rule.name(), rule));
@@ -112,6 +113,14 @@ pub(super) fn interface(section: Section) -> Result<Interface, DeckError> {
         if let Some(Ok(friction)) = section.get("friction").map(|field| field.section()) {
             friction.refuse(&["symmetric"], "with integration over faces")?;
         }
+    }
+    check_pressures(&section, integration)?;
+    let surface = surface(&section)?;
+    let refresh =
+        section.get("refresh").map_or(Ok(RefreshRule::default()), |field| field.word(&refreshes))?;
+    let has_domains = matches!(surface.element, ContactElement::Diffuse { search, .. } if search.rule == NeighbourRule::Domains);
+    if refresh == RefreshRule::Iteration && contact != Contact::NodeToFacet && has_domains {
+        section.refuse(&["refresh"], "with nodal domains, by which slaves follow in every iteration")?;
     }
     let own = section.get("self");
     if own.is_some() {
@@ -131,14 +140,29 @@ pub(super) fn interface(section: Section) -> Result<Interface, DeckError> {
         augmentation: augmentation(&section)?,
         two_pass: flag("two_pass")?,
         exchange: flag("exchange")?,
-        surface: surface(&section)?,
+        surface,
         adjust: section.get("adjust").map(|field| field.positive()).transpose()?,
         symmetry: section.get("symmetry").map_or(Ok(Vec::new()), |field| symmetry(&field))?,
-        refresh: section.get("refresh").map_or(Ok(RefreshRule::default()), |field| field.word(&refreshes))?,
+        refresh,
         tangent: section.get("tangent").map_or(Ok(TangentRule::default()), |field| field.word(&tangents))?,
         friction: section.get("friction").map(|field| friction(&field)).transpose()?,
         integration,
     })
+}
+
+/// Refuses what friction has in the unit of a pressure where slaves have forces alone.
+fn check_pressures(section: &Section, integration: Integration) -> Result<(), DeckError> {
+    let has_areas = section.get("areas").map_or(Ok(false), |field| field.flag())?;
+    if integration != Integration::Nodes || section.get("penalty").is_none() || has_areas {
+        return Ok(());
+    }
+    let reason = "over nodes with penalty and without areas, where there are forces and no pressures";
+    let Some(Ok(friction)) = section.get("friction").map(|field| field.section()) else { return Ok(()) };
+    friction.refuse(&["shear_limit"], reason)?;
+    match friction.get("coefficient").map(|field| field.section()) {
+        Some(Ok(coefficient)) => coefficient.refuse(&["pressures"], reason),
+        _ => Ok(()),
+    }
 }
 
 fn penalty(section: &Section) -> Result<Option<f64>, DeckError> {

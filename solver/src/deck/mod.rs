@@ -192,6 +192,8 @@ impl Deck {
         let deck = Section::root(source, &table).expect(schema::DECK)?;
 
         let time = control::time(&deck)?;
+        let contact = interface::contact(&deck)?;
+        let interface = |section| interface::interface(section, contact);
         let mut materials = BTreeMap::new();
         for (name, material) in named(&deck, "materials")? {
             materials.insert(name, parts::material(&material)?);
@@ -200,12 +202,12 @@ impl Deck {
         let made = Self {
             path: source.path.to_path_buf(),
             title: deck.get("title").map_or_else(|| Ok(String::new()), |title| title.text())?,
-            contact: interface::contact(&deck)?,
+            contact,
             materials,
             parts: parts.iter().map(|(name, part)| parts::part(name, part)).collect::<Result<_, _>>()?,
             boundaries: listed(&deck, "boundary", |section| conditions::boundary(section, time.end))?,
             pressures: listed(&deck, "pressure", |section| conditions::pressure(section, time.end))?,
-            interfaces: interface::distinct(source, listed(&deck, "interface", interface::interface)?)?,
+            interfaces: interface::distinct(source, listed(&deck, "interface", interface)?)?,
             newton: control::newton(&deck)?,
             output: control::output(&deck)?,
             time,

@@ -27,7 +27,8 @@ pub enum ContactStatus {
 /// Friction at the nodes of slave surfaces, zero elsewhere.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct FrictionFields {
-    /// Way from the anchor since the slave touched, length: of one that slides, what it slid in the increment and its elastic slip.
+    /// Way from the anchor since the slave touched, length: of one that slides, what it slid in the increment and its elastic slip. With
+    /// augmentation from where it stuck.
     pub slip: Vec<f64>,
     /// At the nodes of slave surfaces: friction on the node over the area of [`contact_pressure`](Fields::contact_pressure), force per area.
     /// On faces of second order: by its average slip.

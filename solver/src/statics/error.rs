@@ -54,7 +54,7 @@ pub enum StaticsError {
     },
     /// Nothing but friction holds a part, and there is no force that friction could come from.
     #[error(
-        "the run cannot go on from time {}: {}contact acts on it with {force:.1e}, and equilibrium is known to {noise:.1e}: friction has nothing to come from",
+        "the run cannot go on from time {}: {}contact acts on it with {force:.1e}, and equilibrium is known to {noise:.1e}, by newton.tolerance of the largest force and rounding: friction has nothing to come from",
         ShownTime(*time),
         all(loose)
     )]
@@ -65,7 +65,7 @@ pub enum StaticsError {
         loose: Vec<Loose>,
         /// The largest contact force on one of them, the root of the sum of squares over its nodes.
         force: f64,
-        /// What counts as none.
+        /// What counts as none: what Newton's iteration allows, `newton.tolerance` of the largest force of all, and rounding.
         noise: f64,
     },
     /// The solid was refused.

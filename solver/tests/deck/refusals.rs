@@ -162,7 +162,8 @@ fn wrong_types_and_ranges_say_what_was_found() {
 #[test]
 fn coefficients_of_friction_are_refused_by_their_field_and_place() {
     let with = |coefficient: &str, expected: &str| {
-        let friction = format!("penalty = 1e5\nfriction = {{ coefficient = {{ {coefficient} }} }}");
+        let friction =
+            format!("penalty = 1e5\nareas = true\nfriction = {{ coefficient = {{ {coefficient} }} }}");
         refused("penalty = 1e5", &friction, &format!("interface[1].friction.coefficient{expected}"));
     };
     with("static = 0.3, kinetic = 0.2, decay = -1", ".decay must be at least 0, not -1");
@@ -186,6 +187,42 @@ fn coefficients_of_friction_are_refused_by_their_field_and_place() {
     with(&format!("{rows} [[0.1, 0.2]]"), ".values must be 2 rows, one for each pressure, not a list of 1");
     with(&format!("{rows} [[0.1, 0.2], [0.1]]"), ".values[2] must be 2 numbers, one for each rate");
     with(&format!("{rows} [0.1, 0.2, 0.3]"), ".values must be 2 rows, one for each pressure");
+}
+
+/// Over nodes with a penalty by node there is no pressure that a table or a limit could be in the unit of.
+#[test]
+fn friction_by_pressure_needs_one() {
+    let limit = "friction = { coefficient = 0.3, shear_limit = 2.0 }";
+    let table = "friction = { coefficient = { pressures = [0, 9], values = [0.3, 0.2] } }";
+    let reason =
+        "has no meaning over nodes with penalty and without areas, where there are forces and no pressures";
+    for (friction, field) in [(limit, "shear_limit"), (table, "coefficient.pressures")] {
+        for areas in ["", "areas = false\n"] {
+            let fields = format!("penalty = 1e5\n{areas}{friction}");
+            refused("penalty = 1e5", &fields, &format!("interface[1].friction.{field} {reason}"));
+        }
+        for fields in ["", "penalty = 1e5\nareas = true\n", "penalty = 1e5\nintegration = \"faces\"\n"] {
+            Deck::parse(&changed("penalty = 1e5", &format!("{fields}{friction}"))).unwrap();
+        }
+    }
+    let rates = "penalty = 1e5\nfriction = { coefficient = { rates = [0, 9], values = [0.3, 0.2] } }";
+    Deck::parse(&changed("penalty = 1e5", rates)).unwrap();
+}
+
+/// Slaves follow by nodal domains in every iteration: a pairing anew instead would take that away.
+#[test]
+fn pairing_in_iterations_is_for_other_rules_than_domains() {
+    let reason = "interface[1].refresh has no meaning with nodal domains, by which slaves follow";
+    let iteration = "penalty = 1e5\nrefresh = \"iteration\"";
+    let domains = format!("{iteration}\nneighbours = {{ rule = \"domains\" }}");
+    refused("penalty = 1e5", iteration, reason);
+    refused("penalty = 1e5", &domains, reason);
+    let layers = format!("{iteration}\nneighbours = {{ rule = \"hull-layers\" }}");
+    for fields in [&layers, "penalty = 1e5\nrefresh = \"increment\""] {
+        Deck::parse(&changed("penalty = 1e5", fields)).unwrap();
+    }
+    let facets = changed("penalty = 1e5", iteration);
+    Deck::parse(&format!("contact = \"node-to-facet\"\n{facets}")).unwrap();
 }
 
 #[test]

@@ -138,6 +138,26 @@ fn a_pairing_per_iteration_belongs_to_the_end_of_the_increment() {
     assert_ne!(before, after, "the block slides by 0.2 in an increment");
 }
 
+/// Seen from what an increment was solved with, rounds of augmentation included, its end has the forces it was found with.
+#[test]
+fn an_increment_begins_from_what_the_last_one_was_solved_with() {
+    let friction =
+        "friction = { coefficient = 0.6, stiffness = 200.0, augmentation = { tolerance = 1e-6, max = 60 } }";
+    let base = PRESSED
+        .replace("penalty = 2000.0", &format!("penalty = 2000.0\nintegration = \"faces\"\n{friction}"))
+        .replace("translate = [0.3, 0.0, -0.2]", "translate = [0.03, 0.0, -0.2]");
+    let (notes, state, mut statics) = run(&base, "[time]\nincrement = 0.5\n[newton]\ntolerance = 1e-9");
+    assert!(notes.increments.iter().all(|record| record.augmentations > 0));
+    let forces = |statics: &Statics| statics.problem().contacts().resultants(&state.positions)[0].force;
+    let found = notes.increments.last().unwrap().contacts[0].force;
+    let mut before = state.clone();
+    before.friction[0].anchors = before.friction[0].anchors_before.clone();
+    statics.look_at_contacts(&before).unwrap();
+    let again = forces(&statics);
+    let error = size([0, 1, 2].map(|axis| again[axis] - found[axis]));
+    assert!(error < 1e-6 * size(found), "{again:?} {found:?}");
+}
+
 /// Pairings that change at refreshes, and end where their nodes do.
 const HULL_LAYERS: &str = "neighbours = { rule = \"hull-layers\" }";
 

@@ -111,8 +111,8 @@ fn nothing_of_a_failed_increment_stays() {
     let augmented = "method = \"augmented-lagrangian\"\naugmentation = { tolerance = 1e-3, max = 3 }";
     let faces = format!("integration = \"faces\"\nfriction = 0.2\n{augmented}");
     // With the most iterations and rounds of an increment.
-    let [nodes, again] = ["refresh = \"increment\"", "refresh = \"iteration\""];
-    for (fields, most, rounds) in [(nodes, 5, 1), (again, 5, 1), (&faces, 3, 4)] {
+    let layers = "neighbours = { rule = \"hull-layers\" }\nrefresh = \"iteration\"";
+    for (fields, most, rounds) in [("", 5, 1), (layers, 5, 1), (&faces, 3, 4)] {
         let base = pressed_hard().replace("penalty = 2000.0", &format!("penalty = 2000.0\n{fields}"));
         let newton = format!("[newton]\nmax_iterations = {most}\ntolerance = 1e-8");
         // The run to the end of its first increment.
@@ -361,7 +361,7 @@ fn a_run_goes_on_from_any_state_to_the_same_end() {
         ("refresh = \"increment\"", "extrapolation = \"linear\""),
         ("refresh = \"iteration\"\nneighbours = { rule = \"hull-layers\" }", ""),
         ("frame = \"held\"\nneighbours = { rule = \"hull-layers\" }", ""),
-        (&format!("refresh = \"iteration\"\n{augmented}"), ""),
+        (augmented, ""),
     ] {
         let base = PRESSED.replace("penalty = 2000.0", &format!("penalty = 2000.0\n{more}"));
         let newton =

@@ -30,7 +30,7 @@ const MESHES: [Mesh; 3] = [
 /// Force per length.
 pub const PENALTIES: [f64; 3] = [2e5, 2e6, 2e7];
 
-/// What is also run with slaves paired anew in every iteration.
+/// What is also run with facets found anew in every iteration.
 const REFRESHED: [Pipe; 2] = [Pipe::Elastic, Pipe::Plastic];
 
 /// Elastic or elastoplastic.
@@ -188,16 +188,14 @@ fn pairs(decks: &Decks, scope: &Scope, pipe: Pipe, meshes: &[Mesh]) -> Result<Ve
     Ok(pairs)
 }
 
-/// Pairs on the finest meshes, paired anew in every iteration.
+/// Pairs on the finest meshes, their facets found anew in every iteration, as lists of the diffuse element follow.
 fn refreshed(decks: &Decks, scope: &Scope) -> Result<Vec<(Pipe, Pair)>, CliError> {
     let mut pairs = Vec::new();
     for pipe in REFRESHED {
         let (mesh, penalty, master) = (scope.finest(), PENALTIES[1], Master::Pipe);
-        let case = case(pipe, mesh, penalty, master, scope.limit)
-            .with("interface.refresh", "iteration")
-            .named("anew");
+        let case = case(pipe, mesh, penalty, master, scope.limit).named("anew");
         let diffuse = decks.run(&case)?;
-        let classic = decks.run(&case.classic())?;
+        let classic = decks.run(&case.classic().with("interface.refresh", "iteration"))?;
         pairs.push((pipe, Pair { mesh, penalty, master, diffuse, classic }));
     }
     Ok(pairs)
@@ -291,7 +289,7 @@ fn text(elastic: &[Pair], plastic: &[Pair], refreshed: &[(Pipe, Pair)], longer: 
         let _ = write!(text, "\n{table}\nTogether, pipe as master: {pipe}. Plate as master: {plate}.\n");
     }
     let mut table =
-        Table::new("### Slaves paired anew in every iteration instead of every increment", COLUMNS);
+        Table::new("### Facets found anew in every iteration instead of every increment", COLUMNS);
     for (pipe, pair) in refreshed {
         let label = if *pipe == Pipe::Elastic { "elastic, " } else { "elastoplastic, " };
         table.row(pair.row(label));

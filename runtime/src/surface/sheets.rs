@@ -60,7 +60,8 @@ impl Sheets<'_> {
             for (edge, &rung) in self.nodes.of_edges(facet).iter().enumerate() {
                 if rung == Rung::Unknown {
                     let [from, to] = self.index.shape(facet).edge(edge);
-                    *is_open |= is_within((from + to) / 2.0);
+                    let points = [(from + to) / 2.0, from * 2.0 - to, to * 2.0 - from];
+                    *is_open |= points.into_iter().any(is_within);
                 }
                 let points = self.nodes.points_of_edge(surface, facet, edge);
                 let within =

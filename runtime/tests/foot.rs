@@ -104,7 +104,7 @@ fn images_give_their_part_to_their_nodes() {
 #[cfg(feature = "ad")]
 #[test]
 fn auxiliary_points_give_their_part_to_their_nodes() {
-    check(&mut crate::strips::quarter(Weight::Cubic, 0.4), "a rim");
+    check(&mut crate::strips::quarter(Weight::Cubic, 0.8), "a rim");
     check(&mut crate::strips::quarter(Weight::Cubic, 0.05), "a narrow rim");
 }
 

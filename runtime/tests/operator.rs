@@ -142,7 +142,7 @@ fn what_images_contribute_goes_back_to_their_nodes() {
 #[cfg(feature = "ad")]
 #[test]
 fn what_auxiliary_points_contribute_goes_to_their_nodes() {
-    for (weight, height) in Weight::ALL.into_iter().flat_map(|weight| [(weight, 0.4), (weight, 0.05)]) {
+    for (weight, height) in Weight::ALL.into_iter().flat_map(|weight| [(weight, 0.8), (weight, 0.05)]) {
         let mut scene = crate::strips::quarter(weight, height);
         let dofs = DofMap::standard(scene.positions.len());
         check(&mut scene, &ContactLaw::penalty(3.0), &dofs, &format!("{weight:?}"));

@@ -204,9 +204,8 @@ fn slaves_of_a_strip_have_the_bits_of_the_whole() {
     let (integers, reals) = window.to_numbers();
     let first = 10 + (integers[5] + integers[6]) as usize;
     assert!(integers[7] > 30, "{}", integers[7]);
-    let [from, to, kind] = [0, 1, 2].map(|k| integers[first + k]);
-    for (place, point) in
-        [(0, [to, from, kind]), (0, [from, to, 2]), (1, [0, 1, 0]), (2, [3, integers[6], 0])]
+    let [from, to] = [0, 1].map(|k| integers[first + k]);
+    for (place, point) in [(0, [to, from, 0]), (0, [from, to, 65]), (1, [0, 1, 0]), (2, [3, integers[6], 0])]
     {
         let mut wrong = integers.clone();
         wrong[first + 3 * place..][..3].copy_from_slice(&point);

@@ -271,7 +271,7 @@ impl SurfacePart {
         Symmetry::check_sides(planes, &positions, part.extents.facet)?;
         let index = surface.at(&positions)?;
         let creases = Creases::new(&index, options.feature_angle_degrees.to_radians(), &symmetry);
-        let sheet_nodes = SheetNodes::new(&index, &creases, &symmetry, Some(&complete));
+        let sheet_nodes = SheetNodes::new(&index, &creases, Some(&complete));
         let sheets = Sheets {
             index: &index,
             creases: &creases,

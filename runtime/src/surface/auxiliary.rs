@@ -1,26 +1,25 @@
 //! Auxiliary points, which fits along a strip of one row of cells take beside nodes.
 //!
 //! Two rows of nodes carry no quadratic surface across. A third row is on the *rungs*: the edges across the strip. It is as straight between
-//! the nodes as the facets are. Where the strip is wide it is in the middles of rungs. Where the strip is narrow and bends, nodes would spread
-//! more along the normal than across, and their average plane would be none of the strip. There two rows of ghost nodes lie outside: beyond
-//! each end of a rung, by its length.
+//! the nodes as the facets are. Where the strip is wide it is in the middles of rungs. Along a strip that is narrow and bends, nodes would
+//! spread more along the normal than across, and their average plane would be none of the strip. So there two rows of ghost nodes lie outside:
+//! beyond each end of a rung, at about the length of a facet.
 //!
 //! A rung is an edge inside a sheet around which all corners lie on the end of the sheet. A triangle has such edges along diagonals, too: of
-//! them only that counts which is the shortest of one of its triangles. Where a strip ends with a quadrilateral the edge opposite to its rung
-//! is one as well.
+//! them only that counts which is the shortest of one of its triangles. The edge at which a strip ends is one as well.
 
 use super::sheet_nodes::SheetNodes;
 use super::topology::NONE;
-use super::{Creases, Image, SurfaceIndex, Symmetry};
+use super::{Creases, SurfaceIndex};
 use crate::Point;
 use crate::vector::Vector3;
 
 /// Edges as long as the shortest of a triangle to this fraction are as short.
 const AS_SHORT: f64 = 1e-6;
-/// Where a rung is so many times as long as the strip drops over the length of a facet, the strip is wide.
-const WIDE: f64 = 1.0;
-/// The same, where it is too narrow for ghost nodes.
-const NARROWEST: f64 = 0.6;
+/// Where a rung is so many times as long as a facet along the strip, the strip is wide.
+const WIDE: f64 = 2.5;
+/// Ghost nodes are at most so many lengths of a rung beyond its ends.
+const FARTHEST: u32 = 64;
 
 /// An auxiliary point, on the line through the ends of a rung.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -35,22 +34,48 @@ pub(crate) struct Auxiliary {
 pub(crate) enum AuxiliaryKind {
     /// In the middle between the ends.
     Middle,
-    /// Beyond the first end, as far from it as the second.
-    Ghost,
+    /// Beyond the first end, so many times as far from it as the second.
+    Ghost(u32),
+}
+
+/// Where auxiliary points on the line through two nodes may be.
+pub(super) fn possible_points([from, to]: [Vector3; 2]) -> impl Iterator<Item = Vector3> {
+    let times = (0..=FARTHEST.ilog2()).map(|power| f64::from(1_u32 << power));
+    let ghosts = times.flat_map(move |times| [from + (from - to) * times, to + (to - from) * times]);
+    ghosts.chain([(from + to) / 2.0])
 }
 
 impl Auxiliary {
     /// The first end's part of the point; the second has what is missing to 1.
-    pub const fn part(&self) -> f64 {
+    pub fn part(&self) -> f64 {
         match self.kind {
             AuxiliaryKind::Middle => 0.5,
-            AuxiliaryKind::Ghost => 2.0,
+            AuxiliaryKind::Ghost(times) => 1.0 + f64::from(times),
         }
     }
 
     /// Where it is with the ends at these positions.
     pub fn position(&self, ends: [Point; 2]) -> Point {
         between(self.part(), ends)
+    }
+}
+
+impl AuxiliaryKind {
+    /// How many times its length beyond the rung; 0 in the middle.
+    pub fn number(self) -> i64 {
+        match self {
+            Self::Middle => 0,
+            Self::Ghost(times) => times.into(),
+        }
+    }
+
+    /// That with this number.
+    pub fn of(number: i64) -> Option<Self> {
+        match u32::try_from(number).ok()? {
+            0 => Some(Self::Middle),
+            times if times <= FARTHEST => Some(Self::Ghost(times)),
+            _ => None,
+        }
     }
 }
 
@@ -66,7 +91,8 @@ pub(super) enum Rung {
     /// That depends on facets which are not there.
     Unknown,
     Middle,
-    Ghosts,
+    /// So many of its lengths beyond its ends.
+    Ghosts(u32),
 }
 
 impl Rung {
@@ -76,7 +102,9 @@ impl Rung {
         let points = match self {
             Self::No | Self::Unknown => [None, None],
             Self::Middle => [point([from.min(to), from.max(to)], AuxiliaryKind::Middle), None],
-            Self::Ghosts => [[from, to], [to, from]].map(|ends| point(ends, AuxiliaryKind::Ghost)),
+            Self::Ghosts(times) => {
+                [[from, to], [to, from]].map(|ends| point(ends, AuxiliaryKind::Ghost(times)))
+            }
         };
         points.into_iter().flatten()
     }
@@ -87,7 +115,6 @@ pub(super) fn rungs(
     nodes: &SheetNodes,
     index: &SurfaceIndex<'_>,
     creases: &Creases,
-    symmetry: &Symmetry,
     is_complete: impl Fn(u32) -> bool,
 ) -> Vec<[Rung; 4]> {
     let surface = index.surface();
@@ -111,7 +138,7 @@ pub(super) fn rungs(
     if is_between.iter().all(|&is| is == Some(false)) {
         return Vec::new();
     }
-    let rungs = Rungs { index, creases, symmetry, is_between };
+    let rungs = Rungs { index, creases, is_between };
     let of_facet = |facet: usize| {
         let mut edges = [Rung::No; 4];
         for (edge, rung) in edges.iter_mut().take(surface.corners_of(facet).len()).enumerate() {
@@ -126,57 +153,95 @@ pub(super) fn rungs(
 struct Rungs<'a> {
     index: &'a SurfaceIndex<'a>,
     creases: &'a Creases,
-    symmetry: &'a Symmetry,
     /// By facet, whether all its corners lie on the end of its sheet; `None` where that is not known.
     is_between: Vec<Option<bool>>,
 }
 
 impl Rungs<'_> {
     fn of_edge(&self, facet: usize, edge: usize) -> Rung {
-        let is_quadrilateral = self.index.surface().corners_of(facet).len() == 4;
-        if self.creases.ends_at(facet, edge) && is_quadrilateral {
-            self.of_edge_inside(facet, (edge + 2) % 4)
-        } else {
-            self.of_edge_inside(facet, edge)
-        }
-    }
-
-    fn of_edge_inside(&self, facet: usize, edge: usize) -> Rung {
-        match self.is_inside(facet, edge) {
+        match self.is_across(facet, edge) {
             Some(true) => {}
             Some(false) => return Rung::No,
             None => return Rung::Unknown,
         }
+        let is_inside = !self.creases.ends_at(facet, edge);
         let other = self.index.surface().across(facet)[edge];
-        let sides = [Some((facet, edge)), self.same_edge(facet, other)];
-        let mut sides = sides.into_iter().flatten().map(|(facet, edge)| self.is_shortest(facet, edge));
-        let is_one = sides.clone().any(|is| is == Some(true));
-        if !is_one {
-            return if sides.any(|is| is.is_none()) { Rung::Unknown } else { Rung::No };
+        let beyond = if is_inside { self.same_edge(facet, other) } else { None };
+        let sides = [Some((facet, edge)), beyond].into_iter().flatten();
+        let mut is_one = sides.clone().map(|(facet, edge)| self.is_shortest(facet, edge));
+        if !is_one.clone().any(|is| is == Some(true)) {
+            return if is_one.any(|is| is.is_none()) { Rung::Unknown } else { Rung::No };
         }
         let shape = self.index.shape(facet as u32);
         let [from, to] = shape.edge(edge);
-        match self.largest_drop(facet, edge) {
-            None => Rung::Unknown,
-            Some(drop) if (to - from).norm() >= WIDE * drop => Rung::Middle,
-            Some(drop) if (to - from).norm() >= NARROWEST * drop => Rung::Ghosts,
-            Some(_) => Rung::No,
+        let width = (to - from).norm();
+        let length = sides.map(|(facet, edge)| self.length_along(facet, edge)).fold(0.0, f64::max);
+        if width >= WIDE * length {
+            return Rung::Middle;
+        }
+        let mut times = 1;
+        while f64::from(times) * width < length {
+            times *= 2;
+            if times > FARTHEST {
+                return Rung::No;
+            }
+        }
+        Rung::Ghosts(times)
+    }
+
+    /// The length of a facet along the strip.
+    fn length_along(&self, facet: usize, edge: usize) -> f64 {
+        let shape = self.index.shape(facet as u32);
+        let [from, to] = shape.edge(edge);
+        // The middle of a facet lies half its length from the edge, of a triangle a third.
+        let part = if shape.corners().len() == 3 { 3.0 } else { 2.0 };
+        let to_middle = shape.middle() - from;
+        let across = (to - from).normalize();
+        (to_middle - across * across.dot(&to_middle)).norm() * part
+    }
+
+    /// Whether the edge is inside the strip, or is its end.
+    fn is_across(&self, facet: usize, edge: usize) -> Option<bool> {
+        if self.creases.ends_at(facet, edge) {
+            self.is_last(facet, edge)
+        } else {
+            self.is_inside(facet, edge)
         }
     }
 
-    /// The largest drop at the edges inside of both facets at an edge: diagonals lie within bent cells.
-    fn largest_drop(&self, facet: usize, edge: usize) -> Option<f64> {
-        let other = self.index.surface().across(facet)[edge];
-        let facets = [Some(facet), (other != NONE).then_some(other as usize)];
-        let mut largest = 0.0_f64;
-        for facet in facets.into_iter().flatten() {
-            for edge in 0..self.index.shape(facet as u32).corners().len() {
-                if self.is_inside(facet, edge)? {
-                    largest = largest.max(self.drop(facet, edge));
-                }
+    /// Whether the strip ends at an edge: opposite to the only one inside of a quadrilateral, of a triangle that which leads away from the
+    /// next one inside.
+    fn is_last(&self, facet: usize, edge: usize) -> Option<bool> {
+        let own = self.inside(facet)?;
+        let &[inside] = &own[..] else { return Some(false) };
+        let surface = self.index.surface();
+        let count = surface.corners_of(facet).len();
+        if count == 4 {
+            return Some(edge == (inside + 2) % 4);
+        }
+        let Some((other, there)) = self.same_edge(facet, surface.across(facet)[inside]) else {
+            return Some(false);
+        };
+        let next = self.inside(other)?;
+        let mut next = next.into_iter().filter(|&edge| edge != there);
+        let (Some(next), None) = (next.next(), next.next()) else { return Some(false) };
+        let ends = |facet: usize, edge: usize| {
+            let corners = surface.corners_of(facet);
+            [corners[edge], corners[(edge + 1) % corners.len()]]
+        };
+        let shared = ends(other, next).into_iter().find(|node| ends(facet, inside).contains(node));
+        Some(shared.is_some_and(|node| !ends(facet, edge).contains(&node)))
+    }
+
+    /// The edges inside a strip.
+    fn inside(&self, facet: usize) -> Option<Vec<usize>> {
+        let mut inside = Vec::new();
+        for edge in 0..self.index.surface().corners_of(facet).len() {
+            if self.is_inside(facet, edge)? {
+                inside.push(edge);
             }
         }
-        Some(largest)
+        Some(inside)
     }
 
     /// The edge as the facet across has it.
@@ -204,7 +269,7 @@ impl Rungs<'_> {
         if beyond == Some(false) { beyond } else { self.is_between[facet].and(beyond) }
     }
 
-    /// Whether no edge inside is shorter of a triangle; of quadrilaterals rungs are opposite.
+    /// Whether no edge across is shorter of a triangle; of quadrilaterals rungs are opposite.
     fn is_shortest(&self, facet: usize, edge: usize) -> Option<bool> {
         let shape = self.index.shape(facet as u32);
         let length = |edge: usize| {
@@ -214,38 +279,13 @@ impl Rungs<'_> {
         let count = shape.corners().len();
         let is_shorter = |other: &usize| length(*other) * (1.0 + AS_SHORT) < length(edge);
         let shorter = (0..count).filter(|_| count == 3).filter(is_shorter);
-        let mut inside = shorter.map(|other| self.is_inside(facet, other));
-        if inside.clone().any(|is| is == Some(true)) {
+        let mut across = shorter.map(|other| self.is_across(facet, other));
+        if across.clone().any(|is| is == Some(true)) {
             Some(false)
-        } else if inside.any(|is| is.is_none()) {
+        } else if across.any(|is| is.is_none()) {
             None
         } else {
             Some(true)
         }
-    }
-
-    /// How far the strip drops off the plane of one facet at an edge over the length of the next one.
-    fn drop(&self, facet: usize, edge: usize) -> f64 {
-        let other = self.index.surface().across(facet)[edge];
-        let shape = self.index.shape(facet as u32);
-        let [from, to] = shape.edge(edge);
-        let middle = (from + to) / 2.0;
-        // The middle of a facet lies half its length from the edge, of a triangle a third.
-        let drop = |normal: Vector3, x: Vector3, count: usize| {
-            normal.dot(&(x - middle)).abs() * if count == 3 { 3.0 } else { 2.0 }
-        };
-        let (own, normal, count) = (shape.middle(), self.index.normals()[facet], shape.corners().len());
-        if other == NONE {
-            // In a plane of symmetry the other one is the image.
-            let stays = |image: &Image, x: Vector3| {
-                (Vector3::from(image.of(x.into())) - x).norm() <= self.symmetry.tolerance()
-            };
-            let image =
-                self.symmetry.images_at(from.into()).find(|image| stays(image, from) && stays(image, to));
-            return image.map_or(0.0, |image| drop(normal, Vector3::from(image.of(own.into())), count));
-        }
-        let there = self.index.shape(other);
-        let other = drop(self.index.normals()[other as usize], own, count);
-        drop(normal, there.middle(), there.corners().len()).max(other)
     }
 }

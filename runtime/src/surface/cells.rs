@@ -2,7 +2,7 @@
 
 use rayon::prelude::*;
 
-use super::auxiliary::Auxiliary;
+use super::auxiliary::{Auxiliary, AuxiliaryKind};
 use super::sheets::Sheets;
 use super::symmetry::Symmetry;
 use crate::eigen::symmetric_eigen;
@@ -37,13 +37,28 @@ impl Sheets<'_> {
                     .collect();
                 others.sort_unstable();
                 others.dedup();
-                // In planes of symmetry cells go on as their images.
                 let mut ends: Vec<Vector3> =
                     others.iter().map(|&other| positions[other as usize].into()).collect();
+                // A narrow strip goes on to its ghost nodes.
+                let of_facet = |facet| {
+                    let edges = 0..nodes.of_edges(facet).len();
+                    edges.flat_map(move |edge| nodes.points_of_edge(surface, facet, edge))
+                };
+                let points = nodes.facets(surface, node).flat_map(of_facet);
+                let mut ghosts: Vec<Auxiliary> = points
+                    .map(|(_, point)| point)
+                    .filter(|point| point.kind != AuxiliaryKind::Middle)
+                    .collect();
+                ghosts.sort_unstable();
+                ghosts.dedup();
+                let of_ends = |point: &Auxiliary| point.ends.map(|end| positions[nodes.place(end)]);
+                ends.extend(ghosts.iter().map(|point| Vector3::from(point.position(of_ends(point)))));
+                // In planes of symmetry cells go on as their images.
                 let near = symmetry.tolerance() * symmetry.tolerance();
+                let count = ends.len();
                 for image in symmetry.images_at(position) {
-                    for &other in &others {
-                        let end = Vector3::from(image.of(positions[other as usize]));
+                    for other in 0..count {
+                        let end = Vector3::from(image.of(ends[other].into()));
                         if ends.iter().all(|known| (*known - end).norm_squared() > near) {
                             ends.push(end);
                         }

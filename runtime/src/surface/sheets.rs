@@ -1,6 +1,6 @@
 //! Sheets in their first configuration, which domains are found on.
 
-use super::auxiliary::Rung;
+use super::auxiliary::{Rung, possible_points};
 use super::border::Creases;
 use super::index::SurfaceIndex;
 use super::sheet_nodes::SheetNodes;
@@ -60,8 +60,7 @@ impl Sheets<'_> {
             for (edge, &rung) in self.nodes.of_edges(facet).iter().enumerate() {
                 if rung == Rung::Unknown {
                     let [from, to] = self.index.shape(facet).edge(edge);
-                    let points = [(from + to) / 2.0, from * 2.0 - to, to * 2.0 - from];
-                    *is_open |= points.into_iter().any(is_within);
+                    *is_open |= possible_points([from, to]).any(is_within);
                 }
                 let points = self.nodes.points_of_edge(surface, facet, edge);
                 let within =

@@ -46,8 +46,9 @@ impl Window {
         integers.extend(counts.map(|count| count as i64));
         integers.extend(self.nodes.iter().map(|&number| number as i64));
         integers.extend(self.sheet_nodes.iter().map(|node| i64::from(node.place)));
-        let point =
-            |&Auxiliary { ends: [from, to], kind }: &Auxiliary| [i64::from(from), i64::from(to), kind as i64];
+        let point = |&Auxiliary { ends: [from, to], kind }: &Auxiliary| {
+            [i64::from(from), i64::from(to), kind.number()]
+        };
         integers.extend(self.auxiliary.iter().flat_map(point));
         for WindowFacet { number, corners, borders, ends, core } in &self.facets {
             let corner = |&corner: &u32| if corner == NONE { -1 } else { i64::from(corner) };
@@ -211,15 +212,11 @@ fn auxiliary_of(numbers: &[i64], sheet_nodes: usize) -> Result<Vec<Auxiliary>, W
     let mut all: Vec<Auxiliary> = Vec::new();
     for (place, &[from, to, kind]) in numbers.as_chunks::<AUXILIARY>().0.iter().enumerate() {
         let end = |end: i64| usize::try_from(end).ok().filter(|&end| end < sheet_nodes).map(|end| end as u32);
-        let kind = match kind {
-            0 => Some(AuxiliaryKind::Middle),
-            1 => Some(AuxiliaryKind::Ghost),
-            _ => None,
-        };
+        let kind = AuxiliaryKind::of(kind);
         let point = || Some(Auxiliary { ends: [end(from)?, end(to)?], kind: kind? });
         let is_sound = |point: &Auxiliary| {
             let [from, to] = point.ends;
-            (from < to || from > to && point.kind == AuxiliaryKind::Ghost)
+            (from < to || from > to && point.kind != AuxiliaryKind::Middle)
                 && all.last().is_none_or(|last| last < point)
         };
         let invalid = WindowError::Invalid { what: "auxiliary point", place };

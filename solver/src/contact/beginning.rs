@@ -89,7 +89,8 @@ impl Beginning {
             (adjusted.interface == interaction.options().name)
                 .then(|| (0..3).map(|axis| (to[axis] - from[axis]).powi(2)).sum::<f64>().sqrt())
         };
-        let ways: Vec<f64> = interaction.slaves().filter_map(|slave| way(slave.node)).collect();
+        let ways = interaction.slaves().filter_map(|slave| way(slave.node));
+        let ways: Vec<f64> = ways.filter(|&way| way > 0.0).collect();
         Self {
             penalty: interaction.options().penalty,
             adjusted: interaction

@@ -156,7 +156,8 @@ fn check_pressures(section: &Section, integration: Integration) -> Result<(), De
     if integration != Integration::Nodes || section.get("penalty").is_none() || has_areas {
         return Ok(());
     }
-    let reason = "over nodes with penalty and without areas, where there are forces and no pressures";
+    let reason =
+        "over nodes with penalty and without `areas = true`, where there are forces and no pressures";
     let Some(Ok(friction)) = section.get("friction").map(|field| field.section()) else { return Ok(()) };
     friction.refuse(&["shear_limit"], reason)?;
     match friction.get("coefficient").map(|field| field.section()) {

@@ -168,11 +168,16 @@ impl Watcher for Progress {
         for beginning in interfaces {
             let Beginning { interface, penalty, adjusted, slaves, paired, overlap, .. } = beginning;
             say(&format!(
-                "interface `{}`: {paired} of {slaves} slaves paired, deepest overlap {overlap:.3e}, penalty {penalty:.3e}",
-                shown(interface)
+                "interface `{}`: {paired} of {} paired, deepest overlap {overlap:.3e}, penalty {penalty:.3e}",
+                shown(interface),
+                counted(*slaves, "slave")
             ));
-            if let Some((moved, way)) = adjusted {
-                say(&format!("  {moved} slaves were moved into touch, by up to {way:.3e}"));
+            match adjusted {
+                Some((0, _)) => say("  no slave was to be moved into touch"),
+                Some((moved, way)) => {
+                    say(&format!("  {} moved into touch, by up to {way:.3e}", counted(*moved, "slave")));
+                }
+                None => {}
             }
             beginning.notes().iter().for_each(|note| say(&format!("  note: {note}")));
             beginning.warnings().iter().for_each(|warning| say(&format!("  warning: {warning}")));

@@ -194,8 +194,7 @@ fn coefficients_of_friction_are_refused_by_their_field_and_place() {
 fn friction_by_pressure_needs_one() {
     let limit = "friction = { coefficient = 0.3, shear_limit = 2.0 }";
     let table = "friction = { coefficient = { pressures = [0, 9], values = [0.3, 0.2] } }";
-    let reason =
-        "has no meaning over nodes with penalty and without areas, where there are forces and no pressures";
+    let reason = "has no meaning over nodes with penalty and without `areas = true`, where there are forces and no pressures";
     for (friction, field) in [(limit, "shear_limit"), (table, "coefficient.pressures")] {
         for areas in ["", "areas = false\n"] {
             let fields = format!("penalty = 1e5\n{areas}{friction}");

@@ -90,7 +90,7 @@ pub fn insert(interface: FaceInterface, nodes: usize) -> Result<usize, Failure> 
 /// `positions`: x, y, z of all `node_count` nodes in the first configuration; indices count from 0. `facets`: the master surface,
 /// `slave_facets`: the faces of the slave, none of their nodes on the master; of both 4 nodes for each facet, counter-clockwise
 /// seen from outside, the fourth -1 for a triangle. NULL and 0 where there are no slave facets, as on a rank of MPI. `options`: NULL for the
-/// defaults; `rule` has to be DC_DOMAINS, `areas` and `cutback_penetration` have no meaning. `degree`: 2 or 4, of the polynomials that are
+/// defaults; `rule` has to be DC_DOMAINS unless `element` is DC_NODE_TO_FACET, `areas` and `cutback_penetration` have no meaning. `degree`: 2 or 4, of the polynomials that are
 /// integrated exactly on each piece of a face.
 ///
 /// On failure the handle is NULL.

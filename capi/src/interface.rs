@@ -68,7 +68,7 @@ impl State {
         if self.evaluated {
             return Ok(self.interface.contacts());
         }
-        let message = "not-evaluated: call dc_evaluate, after each dc_update and dc_refresh";
+        let message = "not-evaluated: call dc_evaluate, after each dc_update, dc_follow and dc_refresh";
         Err(Failure::new(DC_NOT_EVALUATED, message))
     }
 
@@ -321,7 +321,7 @@ pub struct dc_report {
     pub lost_gap: f64,
     /// The gap of gained_node by the new pairing.
     pub gained_gap: f64,
-    /// Whether the pairings were made anew, so that patterns of before are no longer theirs: 0 or 1. With DC_DOMAINS 0 while nothing has
+    /// Whether the pairings were made anew: 0 or 1. Patterns of before are still theirs where changed, gained and lost are 0. With DC_DOMAINS 0 while nothing has
     /// moved by more than half the skin of the lists, with other rules always 1; 0 of a frozen interface.
     pub rebuilt: i32,
     /// Of those paired: deeper below the closest facet than a tenth of its size, the root of its area, when they were paired. If most are,
@@ -464,7 +464,7 @@ fn set_frozen(interface: *mut dc_interface, frozen: bool) -> dc_status {
     })
 }
 
-/// Evaluates all slaves at the positions of the last dc_update or dc_refresh, in parallel. `mode` is a dc_mode: DC_GRADIENT
+/// Evaluates all slaves at the positions of the last dc_update, dc_follow or dc_refresh, in parallel. `mode` is a dc_mode: DC_GRADIENT
 /// for forces and tangent, DC_HESSIAN to keep every M, which dc_derivatives and the exact dc_triplets need. The result does not depend on
 /// the number of threads, bit for bit.
 ///

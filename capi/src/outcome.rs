@@ -11,7 +11,7 @@ use runtime::neighbourhood::Fallback;
 pub enum dc_outcome {
     /// Gap, foot and normal are valid, and the derivatives asked for. A positive gap is no touch.
     DC_CONTACT = 0,
-    /// There has been no dc_refresh.
+    /// No facet was found for the slave in the last refresh.
     DC_NOT_PAIRED = 1,
     /// Beyond distance_limit.
     DC_TOO_FAR = 2,

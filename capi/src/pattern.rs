@@ -51,7 +51,7 @@ impl<T> OfEquations<T> {
 }
 
 /// Makes the union pattern of the pairing: an entry wherever any slave can have one, whether it carries force or not. So it
-/// stays valid until a refresh changes the pairing (dc_report: changed, gained or lost is not 0) or dc_set_equations the equations, and
+/// stays valid until a dc_refresh (dc_report: changed, gained or lost is not 0) or a dc_follow (its last argument) changes the lists of nodes, or dc_set_equations the equations, and
 /// a solver can keep its symbolic factorisation as long. Both triangles are there; columns ascend in a row. It needs an evaluation, in any mode.
 ///
 /// Writes the handle and the number of entries, which may be NULL. On failure the handle is NULL.

@@ -31,7 +31,7 @@ pub unsafe fn boxes_of(boxes: *const f64, box_count: usize) -> Result<Vec<Box3>,
     Ok(made)
 }
 
-/// Cuts a window out of the master surface of an interface, at the positions of its last dc_update or dc_refresh: what slaves in
+/// Cuts a window out of the master surface of an interface, at the positions of its last dc_update, dc_follow or dc_refresh: what slaves in
 /// `box_count` boxes can need of it, 6 numbers each: lowest and highest x, y, z. The window holds while no node of the master has moved by more than
 /// `skin`. It needs DC_DOMAINS, else DC_BAD_OPTION; so it is for boxes that are none and for an interface that has a window only.
 ///

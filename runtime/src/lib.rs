@@ -19,7 +19,7 @@
 //! let mut interface = ContactInterface::new(master, vec![81], &[], &positions, InterfaceOptions::default())?;
 //!
 //! interface.refresh_pairing(&positions)?; // once an increment
-//! interface.update(&positions)?; // each iteration
+//! interface.follow(&positions)?; // each iteration
 //! let contacts = interface.evaluate(Mode::Hessian)?;
 //! let (dofs, mut force) = (DofMap::standard(82), vec![0.0; 3 * 82]);
 //! add_forces(contacts, &ContactLaw::penalty(1e3), &dofs, &mut force)?;

@@ -52,7 +52,7 @@ place: the slave's in the first configuration, null without first_positions; sup
 master within reach, which lengths are divided by.
 regularity: how well the masters carry the fit, 0 on one conic (linear basis: on one line), at most 1; near 0 the entries
 of n and m may be large. An element has 1000 masters at most.
-Residual -penalty g N and tangent penalty (g M + N N^T) are given for either sign of the gap."#;
+Force -penalty g N and tangent penalty (g M + N N^T) are given for either sign of the gap."#;
 
 /// Arguments of `evaluate`.
 #[derive(Args, Clone, Debug)]

@@ -21,7 +21,7 @@ const CODES: [(i32, &str, &str); 20] = [
     (11, "overflow", "the numbers overflow"),
     (12, "beyond-border", "the slave does not face the master surface"),
     (13, "beyond-centre-of-curvature", "the slave is so far away that the foot is not the closest point"),
-    (14, "not-paired", "there has been no search for master nodes"),
+    (14, "not-paired", "no facet was found for the slave"),
     (15, "too-far", "the closest facet is farther away than the distance limit"),
     (16, "no-candidate", "no master nodes on its side of sharp edges carry a smooth surface"),
     (17, "degenerate-facet", "the closest facet has no normal at the foot"),

@@ -73,13 +73,14 @@ class Options:
         max_neighbours: nearest nodes to stop at.
         basis: ``"quadratic"`` or ``"linear"``.
         linear_fallback: whether the linear basis may stand in where the quadratic one is not carried.
-        smallest_regularity: what the regularity of a fit has to exceed, from 0 to 1.
+        smallest_regularity: what the regularity of a fit has to exceed, at least 0 and below 1.
         radius_factor: support radius over the in-plane distance of the farthest node, above 1.
         candidates: nearest nodes among which hull layers are sought.
         max_candidates: number up to which ``candidates`` is doubled.
         feature_angle: facets that meet at a larger angle belong to different patches, degrees.
         border_tolerance: how far beyond the border a foot still counts, in heights of the facet.
-        distance_limit: slaves farther away are not paired, length; None for no limit.
+        distance_limit: slaves farther away are not paired, length; None for no limit,
+            over faces and in self contact for a default of their own.
 
     """
 
@@ -536,14 +537,14 @@ class ContactInterface(FrictionHistory):
     ) -> scipy.sparse.csr_matrix:
         """K = −∂R/∂x as scipy compressed rows, shape (equations, equations), force per length.
 
-        The pattern is the union over all paired slaves, whether they carry force or not: it stays the same until the
-        next refresh. The matrix is symmetric to the last bit, unless friction makes the exact one unsymmetric, and
+        The pattern is the union over all paired slaves, whether they carry force or not: it stays the same until
+        ``refresh_pairing`` or ``follow`` changes the lists of nodes. The matrix is symmetric to the last bit, unless friction makes the exact one unsymmetric, and
         indefinite in general for ``"exact"``. It shares its index arrays with ``pattern``, and they are read-only:
         ``copy()`` it where its structure is to change.
 
         After ``evaluate("gradient")`` M of the slaves that carry force is evaluated some hundred at a time, added and
         forgotten. The numbers are those after ``evaluate("hessian")``, bit for bit, and the memory for all M is saved,
-        8.7 kB for a slave with 14 masters.
+        8.3 kB for a slave with 14 masters.
 
         Args:
             penalty: as for ``forces``.

@@ -20,8 +20,8 @@ pub enum Outcome {
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum NoContact {
-    /// There has been no refresh of the pairing yet.
-    #[error("the slave has not been paired yet")]
+    /// No facet was found for the slave in the last refresh.
+    #[error("no facet was found for the slave")]
     NotPaired,
     /// The closest facet is farther away than the distance limit.
     #[error("the closest facet is {distance:e} away, beyond the limit of {limit:e}")]

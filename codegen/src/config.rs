@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use rustc_hash::FxHashSet;
 
 use crate::contact::{EmitOptions, TooLong, emit_file};
-use crate::emit::{MOST_STATEMENTS, emit_c, emit_element, emit_element_test};
+use crate::emit::{MOST_STATEMENTS, c_constants, emit_c, emit_element, emit_element_test};
 use crate::model::{
     Basis, BasisError, CustomBasis, ElementError, ElementKernels, ElementModel, FacetShape, Weight,
     WeightError,
@@ -35,6 +35,12 @@ pub enum ConfigError {
     /// An element has the name of another one or of a weight.
     #[error("two modules are named \"{name}\", one of them of an element")]
     DuplicateElement {
+        /// The name.
+        name: String,
+    },
+    /// Two constants of the C header have one name: names of residuals that differ in the case of letters only, or that are joined alike.
+    #[error("two constants of the C header are named {name}; change the name of an element or of a residual")]
+    DuplicateConstant {
         /// The name.
         name: String,
     },
@@ -270,7 +276,7 @@ impl Config {
     }
 
     /// Adds a test of an element to the crate, in the module `name_tests`: with these inputs `evaluate` and `batch` have the values and the
-    /// derivatives of the interpreter, to 1e-12 of the largest entry. `inputs` are the element's in the order of their declaration, each
+    /// derivatives of the interpreter and of automatic differentiation, to 1e-12 of the largest entry, or to rounding of the largest of all results. `inputs` are the element's in the order of their declaration, each
     /// with its last dimension fastest; `nodes` has of each node all its inputs.
     ///
     /// ```
@@ -340,7 +346,7 @@ impl Config {
     /// many.
     ///
     /// # Errors
-    /// [`ConfigError::DuplicateElement`], also of names that differ in the case of letters only.
+    /// [`ConfigError::DuplicateElement`], also of names that differ in the case of letters only; [`ConfigError::DuplicateConstant`].
     pub fn c_source(&self) -> Result<String, ConfigError> {
         self.check_elements()?;
         // Guards and constants are in upper case.
@@ -349,7 +355,10 @@ impl Config {
         if let Some(name) = elements.find(|name| !names.insert(name.to_uppercase())) {
             return Err(ConfigError::DuplicateElement { name: name.clone() });
         }
-        Ok(emit_c(&self.elements))
+        let text = emit_c(&self.elements);
+        let mut constants = FxHashSet::default();
+        let twice = c_constants(&text).find(|name| !constants.insert(*name)).map(str::to_owned);
+        twice.map_or(Ok(text), |name| Err(ConfigError::DuplicateConstant { name }))
     }
 
     /// Whether elements have names of their own.
@@ -425,7 +434,9 @@ impl Config {
             println!("cargo::warning={note}");
         }
         // The formulas are in the build script; Cargo rebuilds it when this crate changes.
-        println!("cargo::rerun-if-changed=build.rs");
+        if Path::new("build.rs").exists() {
+            println!("cargo::rerun-if-changed=build.rs");
+        }
         Ok(path)
     }
 }

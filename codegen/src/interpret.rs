@@ -272,7 +272,13 @@ impl<'a, N: Number> Interpreter<'a, N> {
                     None => signed(j, a(i, j)),
                 };
                 if i == j {
-                    if let Some(reference) = &references[i] {
+                    let of_multiplier = data.is_compared(data.eliminated(i)).then(|| {
+                        let others = (0..i).filter(|&k| !data.is_negative(k));
+                        let squares = others.map(|k| l[i][k].clone() * l[i][k].clone());
+                        squares.fold(N::constant(f64::MIN_POSITIVE), |sum, square| sum + square)
+                    });
+                    let reference = of_multiplier.as_ref().or(references[i].as_ref());
+                    if let Some(reference) = reference {
                         let ratio = rest.clone() / reference.clone();
                         // A NaN stays where it came first, and does not replace a number.
                         if i == 0 || ratio.value() < pivot_ratio.value() {

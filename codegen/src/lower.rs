@@ -382,9 +382,19 @@ impl<'a> Lowering<'a> {
         let data = self.source.system(system).clone();
         let ratios: Vec<ExprId> = (0..data.size())
             .filter_map(|k| {
-                let reference = self.lower(data.reference(data.eliminated(k))?);
-                let pivot = factor.pivots[k];
-                let pivot = if data.is_negative(k) { self.target.neg(pivot) } else { pivot };
+                let (row, pivot) = (data.eliminated(k), factor.pivots[k]);
+                if data.is_compared(row) {
+                    // A condition without unknowns takes nothing: its ratio is 0.
+                    let mut taken = self.target.constant(f64::MIN_POSITIVE);
+                    for j in (0..k).filter(|&j| !data.is_negative(j)) {
+                        let square = self.target.mul(factor.lower[k][j], factor.lower[k][j]);
+                        let term = self.target.mul(square, factor.pivots[j]);
+                        taken = self.target.add(taken, term);
+                    }
+                    let pivot = self.target.neg(pivot);
+                    return Some(self.target.div(pivot, taken));
+                }
+                let reference = self.lower(data.reference(row)?);
                 Some(self.target.div(pivot, reference))
             })
             .collect();

@@ -5,7 +5,7 @@
 use diffuse_contact_codegen::emit::MOST_STATEMENTS;
 use diffuse_contact_codegen::emit::emit_element_kernel;
 use diffuse_contact_codegen::expr::{Expr, Mat3, Vec2, Vec3, Vector, total};
-use diffuse_contact_codegen::graph::{ExprId, Polynomial, Scope};
+use diffuse_contact_codegen::graph::{ExprId, Limits, Polynomial, Scope};
 use diffuse_contact_codegen::interpret::{Interpreter, NodeInputs, element_derivatives, element_results};
 use diffuse_contact_codegen::model::Input;
 use diffuse_contact_codegen::{Config, ConfigError, ElementError, ElementKernels, ElementModel, Mode};
@@ -54,7 +54,11 @@ fn set(inputs: &mut NodeInputs, input: &Input, values: &[f64]) {
 }
 
 /// Values of a kernel by the interpreter, by name.
-fn interpreted(element: &ElementKernels, mode: Mode, inputs: &NodeInputs) -> impl Fn(&str) -> Vec<f64> {
+fn interpreted(
+    element: &ElementKernels,
+    mode: Mode,
+    inputs: &NodeInputs,
+) -> impl Fn(&str) -> Vec<f64> + use<> {
     let kernel = element.kernels.iter().find(|kernel| kernel.spec.mode == mode).unwrap();
     let mut interpreter = Interpreter::new(&kernel.graph, inputs);
     let mut value = |x: &ExprId| interpreter.element(*x);
@@ -113,6 +117,48 @@ fn a_tetrahedron_takes_a_third_of_the_operations_of_other_generators() {
         assert!(operations[2] <= most && 3 * operations[2] < SYMX_OPERATIONS, "{operations:?}");
         assert!(3 * operations[1] < operations[2], "{operations:?}");
     }
+}
+
+/// Values of an element with one number as its input.
+fn values_at(x: f64, formulas: impl FnOnce(&ElementModel<'_>)) -> impl Fn(&str) -> Vec<f64> {
+    let element = kernels(formulas);
+    let mut inputs = NodeInputs::new(0);
+    set(&mut inputs, &element.signature.inputs[0], &[x]);
+    interpreted(&element, Mode::Value, &inputs)
+}
+
+#[test]
+fn a_vector_of_one_entry_has_its_absolute_value_as_norm() {
+    let formulas = |m: &ElementModel<'_>| {
+        let x: Expr<'_> = m.variable("x");
+        m.energy((Vector([x]).norm() - 1.0).powi(2));
+        m.value("square", Vector([x]).norm().powi(2));
+    };
+    let found = values_at(-1.5, formulas);
+    assert_eq!((found("energy"), found("square")), (vec![0.25], vec![2.25]));
+}
+
+#[test]
+fn other_values_go_through_definitions() {
+    let found = values_at(0.5, |m| {
+        let x: Expr<'_> = m.variable("x");
+        let stretch = m.define("stretch", 2.0 * x);
+        let square = m.define("square", stretch * stretch + x);
+        m.energy(square);
+        m.value("at_three", (square + x).at(&[(x, m.sheet().number(3.0))]));
+        m.value("of_stretch", square.at(&[(stretch, m.sheet().number(3.0))]));
+    });
+    assert_eq!((found("energy")[0], found("at_three")[0], found("of_stretch")[0]), (1.5, 42.0, 9.5));
+}
+
+#[test]
+#[should_panic(expected = "unknowns of equations change with `x`")]
+fn unknowns_have_no_other_values() {
+    kernels(|m| {
+        let x: Expr<'_> = m.variable("x");
+        let root = m.root("u", |u: Vector<'_, 1>| u - Vector([x]));
+        m.energy(root.unknowns[0].at(&[(x, m.sheet().number(3.0))]));
+    });
 }
 
 /// A cohesive law with damage that grows with the largest opening.
@@ -323,7 +369,26 @@ fn mistakes_name_the_element_and_the_expression() {
     };
     check(error_of("a", defined), ElementError::Duplicate { name: named("x") }, "\"x\"");
     let taken = |m: &ElementModel<'_>| discard((scalar(m, "x"), m.value("hessian", m.sheet().one())));
-    check(error_of("a", taken), ElementError::Duplicate { name: named("hessian") }, "hessian");
+    check(error_of("a", taken), ElementError::DerivativeName { name: named("hessian") }, "hessian");
+    let empty = |m: &ElementModel<'_>| m.value("one", m.sheet().one());
+    check(error_of("a", empty), ElementError::NoInput, "input");
+    let count = |m: &ElementModel<'_>| {
+        let x: Expr<'_> = m.node_variable("x");
+        let c = m.define("node_count", x.less(1.0).select(1.0, 0.0).sum());
+        m.energy((x * x).sum() / c);
+    };
+    check(error_of("a", count), ElementError::Reserved { name: named("node_count") }, "node_count");
+    for (longest_step, evaluations) in [(f64::NAN, 9), (-1.0, 9), (0.0, 9), (1.0, 0)] {
+        let endless = |m: &ElementModel<'_>| {
+            let x: Expr<'_> = m.variable("x");
+            let limits = Limits { longest_step, evaluations };
+            let root = m.root_from("u", Vector([x]), limits, |u| Vector([u[0] * u[0] - x]));
+            m.residual("r", root.unknowns);
+        };
+        let longest_step = longest_step.to_string();
+        let expected = ElementError::Limits { root: named("u_way"), longest_step, evaluations };
+        check(error_of("a", endless), expected, "u_way");
+    }
     check(error_of("a", |m| discard(m.variable::<Expr<'_>>("x"))), ElementError::NoOutput, "energy");
     let fixed = |m: &ElementModel<'_>| m.energy(m.parameter::<Expr<'_>>("k").sqrt());
     check(error_of("a", fixed), ElementError::NoVariables { output: named("energy") }, "`energy`");

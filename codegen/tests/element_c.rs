@@ -306,6 +306,13 @@ fn names_in_c_are_those_of_the_formulas() {
     let error = both.c_source().unwrap_err();
     assert!(matches!(&error, ConfigError::DuplicateElement { name } if name == "spring"), "{error}");
     assert!(both.source().is_ok());
+    let residuals = |m: &ElementModel<'_>| {
+        let x: Expr<'_> = m.variable("x");
+        m.residual("r", x * x);
+        m.residual("R", x);
+    };
+    let error = Config::new().element("two", residuals).unwrap().c_source().unwrap_err();
+    assert!(matches!(&error, ConfigError::DuplicateConstant { name } if name == "TWO_R_JACOBIAN"), "{error}");
 }
 
 /// A spring to a weighted average, and a fit with a root of it: loops over nodes, values kept between them, products of rows.

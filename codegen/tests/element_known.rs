@@ -204,7 +204,7 @@ fn unknowns_of_known_values_and_functions_have_their_places() {
         m.energy(x * x);
         m.function("other", x * x);
     });
-    assert_eq!(twice, ElementError::Duplicate { name: "gradient".to_owned() });
+    assert_eq!(twice, ElementError::TwoFunctions { function: "other".to_owned() });
     let many = error(|m| {
         let x: Vector<'_, 9> = m.variable("x");
         m.energy(m.stationary_at("u", x, |u| u).dot(x));

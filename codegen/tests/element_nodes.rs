@@ -101,6 +101,51 @@ fn sums_of_what_other_sums_are_in() {
     }
 }
 
+/// Σ_k (∂E/∂X_k)² of E = Σ w (X − Σ w X / Σ w)³, whose inner sums have a name or none.
+#[test]
+fn derivatives_by_a_node_go_through_sums_without_names() {
+    let of = |is_named: bool, exponent: i32| {
+        let formulas = move |m: &ElementModel<'_>| {
+            let (x, w): (Expr<'_>, Expr<'_>) = (m.node_variable("x"), m.node_parameter("w"));
+            let mean = (w * x).sum() / w.sum();
+            let mean = if is_named { m.define("mean", mean) } else { mean };
+            let moment = (w * (x - mean).powi(exponent)).sum();
+            m.value("square", moment.by(x).powi(2).sum());
+        };
+        let nodes: Vec<[f64; 2]> = numbers(5, 0.3).iter().map(|x| [*x, 1.0 + x * x]).collect();
+        let nodes: Vec<&[f64]> = nodes.iter().map(|node| &node[..]).collect();
+        let element = ElementKernels::new("test", formulas).unwrap();
+        interpreted(&element, Mode::Value, &[], &nodes)("square")[0]
+    };
+    let [named, unnamed] = [true, false].map(|is_named| of(is_named, 3));
+    assert!((named - unnamed).abs() < 1e-14 * named && named > 1e-3, "{named} {unnamed}");
+    // The first moment about the mean is zero wherever the nodes are.
+    assert!(of(false, 1) < 1e-30);
+}
+
+/// Conditions that say nothing, or the same, leave more than one place, or none.
+#[test]
+fn conditions_that_determine_nothing_show_in_the_pivots() {
+    let ratio = |p: f64, q: f64, is_twice: bool| {
+        let element = ElementKernels::new("test", |m| {
+            let [p, q] = m.parameters(["p", "q"]);
+            let x: Expr<'_> = m.variable("x");
+            let fit = m.stationary("c", |c: Vector<'_, 4>| {
+                let other = if is_twice { 2.0 * (p * c[0] + q * c[1]) } else { c[0] };
+                let least = 0.5 * (c[0] - x).powi(2) + 0.5 * c[1] * c[1];
+                least + c[2] * (p * c[0] + q * c[1] - 1.0) + c[3] * other
+            });
+            m.energy(fit.unknowns[0]);
+            m.value("pivot_ratio", fit.pivot_ratio);
+        });
+        interpreted(&element.unwrap(), Mode::Value, &[&[p], &[q], &[0.3]], &[])("pivot_ratio")[0]
+    };
+    assert!(ratio(0.6, 0.8, false) > 0.3);
+    for ratio in [ratio(0.0, 0.0, false), ratio(1.0, 0.0, false), ratio(0.6, 0.8, true)] {
+        assert!(ratio.abs() < 1e-14, "{ratio:e}");
+    }
+}
+
 /// (1 − r²)³, a weight whose radius is large enough for the cloud.
 fn weight<'g>(a: Expr<'g>, b: Expr<'g>) -> Expr<'g> {
     (1.0 - (a * a + b * b) / 4.0).powi(3)

@@ -15,7 +15,7 @@
 #endif
 
 #ifndef DIFFUSE_CONTACT_ELEMENT_SPRING
-#define DIFFUSE_CONTACT_ELEMENT_SPRING 4286513245u
+#define DIFFUSE_CONTACT_ELEMENT_SPRING 2348784867u
 
 /* A spring between two points, linear in its stretch. */
 typedef struct {
@@ -84,7 +84,7 @@ static inline void spring_gradient(const spring_inputs *inputs, spring_values *v
     const double root = sqrt(sum * sum + sum_v2 * sum_v2 + sum_v3 * sum_v3);
     const double stretch = root - length;
     const double by_stretch = stiffness * stretch;
-    const double c1_over_root = (fabs(root) > 0.0 ? 1.0 / root : 0.0);
+    const double c1_over_root = (root == 0.0 ? 0.0 : 1.0 / root);
     const double product = by_stretch * (sum * c1_over_root);
     const double product_v2 = by_stretch * (sum_v2 * c1_over_root);
     const double product_v3 = by_stretch * (sum_v3 * c1_over_root);
@@ -116,7 +116,7 @@ static inline void spring_gradient_batch(size_t count, const double *restrict in
         const double root = sqrt(sum * sum + sum_v2 * sum_v2 + sum_v3 * sum_v3);
         const double stretch = root - length;
         const double by_stretch = stiffness * stretch;
-        const double c1_over_root = (fabs(root) > 0.0 ? 1.0 / root : 0.0);
+        const double c1_over_root = (root == 0.0 ? 0.0 : 1.0 / root);
         const double product = by_stretch * (sum * c1_over_root);
         const double product_v2 = by_stretch * (sum_v2 * c1_over_root);
         const double product_v3 = by_stretch * (sum_v3 * c1_over_root);
@@ -147,7 +147,7 @@ static inline void spring_hessian(const spring_inputs *inputs, spring_values *va
     const double root = sqrt(sum * sum + sum_v2 * sum_v2 + sum_v3 * sum_v3);
     const double stretch = root - length;
     const double by_stretch = stiffness * stretch;
-    const double c1_over_root = (fabs(root) > 0.0 ? 1.0 / root : 0.0);
+    const double c1_over_root = (root == 0.0 ? 0.0 : 1.0 / root);
     const double product = sum * c1_over_root;
     const double product_v2 = by_stretch * product;
     const double product_v3 = sum_v2 * c1_over_root;
@@ -213,7 +213,7 @@ static inline void spring_hessian_batch(size_t count, const double *restrict inp
         const double root = sqrt(sum * sum + sum_v2 * sum_v2 + sum_v3 * sum_v3);
         const double stretch = root - length;
         const double by_stretch = stiffness * stretch;
-        const double c1_over_root = (fabs(root) > 0.0 ? 1.0 / root : 0.0);
+        const double c1_over_root = (root == 0.0 ? 0.0 : 1.0 / root);
         const double product = sum * c1_over_root;
         const double product_v2 = by_stretch * product;
         const double product_v3 = sum_v2 * c1_over_root;
@@ -282,7 +282,7 @@ static inline void spring_product(const spring_inputs *inputs, const double dire
     const double sum_v2 = x_2_y - x_1_y;
     const double sum_v3 = x_2_z - x_1_z;
     const double root = sqrt(sum * sum + sum_v2 * sum_v2 + sum_v3 * sum_v3);
-    const double c1_over_root = (fabs(root) > 0.0 ? 1.0 / root : 0.0);
+    const double c1_over_root = (root == 0.0 ? 0.0 : 1.0 / root);
     const double sum_v4 = direction_6 - direction_3;
     const double sum_v5 = direction_4 - direction_1;
     const double sum_v6 = direction_5 - direction_2;
@@ -324,7 +324,7 @@ static inline void spring_product_batch(size_t count, const double *restrict inp
         const double sum_v2 = x_2_y - x_1_y;
         const double sum_v3 = x_2_z - x_1_z;
         const double root = sqrt(sum * sum + sum_v2 * sum_v2 + sum_v3 * sum_v3);
-        const double c1_over_root = (fabs(root) > 0.0 ? 1.0 / root : 0.0);
+        const double c1_over_root = (root == 0.0 ? 0.0 : 1.0 / root);
         const double sum_v4 = direction_6 - direction_3;
         const double sum_v5 = direction_4 - direction_1;
         const double sum_v6 = direction_5 - direction_2;
@@ -344,6 +344,6 @@ static inline void spring_product_batch(size_t count, const double *restrict inp
         hessian_product[5 * count + k] = sum_v9;
     }
 }
-#elif DIFFUSE_CONTACT_ELEMENT_SPRING != 4286513245u
+#elif DIFFUSE_CONTACT_ELEMENT_SPRING != 2348784867u
 #error "there are two elements spring, or two sets of kernels of it"
 #endif

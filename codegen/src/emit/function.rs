@@ -43,6 +43,12 @@ impl<'a, S> FunctionWriter<'a, S> {
             "fn",
             "do",
         ]);
+        for &root in program.roots.keys() {
+            let name = &program.kernel.graph.root(root).name;
+            names.reserve(
+                &[format!("{name}_iteration"), format!("{name}_solution")].each_ref().map(String::as_str),
+            );
+        }
         let writer = Writer::new(&program.kernel.graph, &program.layout, names);
         let counts = KernelCounts::default();
         Self { program, writer, counts, statements: 0 }

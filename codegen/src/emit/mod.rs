@@ -18,6 +18,7 @@ mod node_module;
 mod product_module;
 mod shape;
 
+pub(crate) use c::constants as c_constants;
 pub use c::emit_c;
 pub use count::{KernelCounts, OpCounts};
 pub use element::{emit_element, emit_element_kernel};

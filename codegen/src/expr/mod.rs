@@ -183,21 +183,23 @@ impl<'g> Expr<'g> {
     /// [`define`](crate::ElementModel::define) has named.
     ///
     /// # Panics
-    /// If `symbol` is no symbol.
+    /// If `symbol` is no symbol: neither a variable nor a parameter nor of [`define`](crate::ElementModel::define), which leaves numbers and
+    /// quantities of nodes what they are.
     #[must_use]
     pub fn by(self, symbol: Self) -> Self {
         let symbol = symbol.symbol();
         self.map(|g, x| g.derivative_of_formula(x, symbol))
     }
 
-    /// Its value where symbols have other values, see [`Graph::substitute`].
+    /// Its value where symbols have other values, see [`Graph::substitute`]; in the formulas of an element also of what
+    /// [`define`](crate::ElementModel::define) has named.
     ///
     /// # Panics
-    /// If what is to be replaced is no symbol.
+    /// If what is to be replaced is no symbol, or the unknowns of equations change with it: these are solved with the old values.
     #[must_use]
     pub fn at(self, values: &[(Self, Self)]) -> Self {
         let values = values_on(self.sheet, values);
-        self.map(|g, x| g.substitute(x, &values))
+        self.map(|g, x| g.substitute_in_formula(x, &values))
     }
 
     /// Makes mixed second derivatives by these symbols one expression, whichever symbol comes first.
@@ -365,7 +367,13 @@ pub fn total<'g>(terms: impl IntoIterator<Item = impl Borrow<Expr<'g>>>) -> Expr
 pub fn all_at<'g>(exprs: &[Expr<'g>], values: &[(Expr<'g>, Expr<'g>)]) -> Vec<Expr<'g>> {
     let (sheet, exprs) = on_sheet(exprs);
     let values = values_on(sheet, values);
-    sheet.exprs(sheet.edit(|g| g.substitute_all(&exprs, &values)))
+    sheet.exprs(sheet.edit(|g| {
+        if g.has_quantities() {
+            exprs.iter().map(|&x| g.substitute_in_formula(x, &values)).collect()
+        } else {
+            g.substitute_all(&exprs, &values)
+        }
+    }))
 }
 
 fn values_on<'g>(sheet: &'g Sheet, values: &[(Expr<'g>, Expr<'g>)]) -> Vec<(SymbolId, ExprId)> {

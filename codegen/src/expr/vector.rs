@@ -67,8 +67,11 @@ impl<'g, const N: usize> Vector<'g, N> {
     /// √(x · x), with derivatives that are finite at the origin wherever the function's are.
     #[must_use]
     pub fn norm(self) -> Expr<'g> {
-        let [first, rest @ ..] = self.0.as_slice() else { panic!("a vector without entries has no norm") };
-        rest.iter().fold(*first, |norm, &x| norm.hypot(x))
+        match self.0.as_slice() {
+            [] => panic!("a vector without entries has no norm"),
+            [x] => x.hypot(0.0),
+            [first, rest @ ..] => rest.iter().fold(*first, |norm, &x| norm.hypot(x)),
+        }
     }
 
     /// x/√(x · x), and 0 for x = 0. Its derivatives are NaN there: those of `x * x.norm().reciprocal_or_zero()` are 0, for a few
@@ -250,12 +253,14 @@ impl<'g, const N: usize> Matrix<'g, N, N> {
     /// det A, for one to three rows.
     #[must_use]
     pub fn determinant(self) -> Expr<'g> {
+        const { assert!(1 <= N && N <= small::MOST_BY_CRAMER) }
         small::determinant(&self.rows())
     }
 
     /// A⁻¹ by Cramer's rule, for one to three rows.
     #[must_use]
     pub fn inverse(self) -> Self {
+        const { assert!(1 <= N && N <= small::MOST_BY_CRAMER) }
         let rows = small::inverse(&self.rows());
         Self::from_fn(|row, column| rows[row][column])
     }
@@ -263,6 +268,7 @@ impl<'g, const N: usize> Matrix<'g, N, N> {
     /// A⁻¹ b by Cramer's rule, for one to three rows.
     #[must_use]
     pub fn solve(self, right_hand_side: Vector<'g, N>) -> Vector<'g, N> {
+        const { assert!(1 <= N && N <= small::MOST_BY_CRAMER) }
         let solution = small::solve(&self.rows(), &right_hand_side.0);
         Vector::from_fn(|k| solution[k])
     }

@@ -34,6 +34,20 @@ impl Graph {
 
     /// ∂`expr`/∂`symbol` as formulas have it: by the chain rule through the quantities that they define.
     pub(crate) fn derivative_of_formula(&mut self, expr: ExprId, symbol: SymbolId) -> ExprId {
+        // By a symbol of a node a sum within a sum changes the terms of all nodes.
+        if self.symbol_data(symbol).scope == Scope::Node
+            && let Some(inner) = self.sum_within_sum(expr)
+        {
+            let total = self.variable("inner_total");
+            let outer = self.replace(expr, &[(inner, total)]);
+            let total_symbol = self.symbol_of(total);
+            let direct = self.derivative_of_formula(outer, symbol);
+            let [by_total, by_symbol] =
+                [(outer, total_symbol), (inner, symbol)].map(|(x, by)| self.derivative_of_formula(x, by));
+            let through = self.mul(by_total, by_symbol);
+            let derivative = self.add(direct, through);
+            return self.substitute(derivative, &[(total_symbol, inner)]);
+        }
         let by = self.intern(Op::Symbol(symbol));
         let mut total = self.zero();
         // Quantities come after what they are made of: the last one first.
@@ -55,8 +69,23 @@ impl Graph {
         total
     }
 
+    /// A sum over the nodes within the terms of another one that has none within its own. Definitions are not entered.
+    fn sum_within_sum(&self, expr: ExprId) -> Option<ExprId> {
+        let next = |g: &Self, x: ExprId| match g.op(x) {
+            Op::Symbol(_) => Vec::new(),
+            _ => g.operands(x),
+        };
+        let is_sum = |x: &ExprId| matches!(self.op(*x), Op::Sum(_));
+        let within = |x: ExprId| self.reachable(x, next).into_iter().filter(move |y| *y != x).find(is_sum);
+        let mut inner = self.reachable(expr, next).into_iter().filter(is_sum).find_map(within)?;
+        while let Some(x) = within(inner) {
+            inner = x;
+        }
+        Some(inner)
+    }
+
     /// The quantities in an expression that change with a symbol, and their definitions, which are not entered.
-    fn quantities_with(&self, expr: ExprId, symbol: ExprId) -> Vec<(ExprId, ExprId)> {
+    pub(super) fn quantities_with(&self, expr: ExprId, symbol: ExprId) -> Vec<(ExprId, ExprId)> {
         if self.quantities.is_empty() {
             return Vec::new();
         }
@@ -312,10 +341,12 @@ impl Graph {
     }
 
     /// Whether a derivative by a symbol may be multiplied by zero where a choice leaves it out. Inputs that others are divided by, such as
-    /// a radius, are taken for other than zero.
+    /// a radius, are taken for other than zero, unless they are [free](Self::free_divisors).
     fn is_finite_factor(&self, derivative: ExprId, by: SymbolId) -> bool {
         self.is_finite_over(derivative, |divisor| match self.op(divisor) {
-            Op::Symbol(symbol) => symbol != by && self.symbol_data(symbol).definition.is_none(),
+            Op::Symbol(symbol) if !self.has_free_divisors => {
+                symbol != by && self.symbol_data(symbol).definition.is_none()
+            }
             _ => false,
         })
     }

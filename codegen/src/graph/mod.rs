@@ -251,6 +251,8 @@ pub struct Graph {
     symbol_names: FxHashMap<String, SymbolId>,
     /// Bound symbols that formulas are differentiated through while they are written.
     quantities: FxHashSet<SymbolId>,
+    /// Whether inputs that others are divided by may be zero.
+    has_free_divisors: bool,
     derivatives: Table<(ExprId, SymbolId), ExprId>,
     polynomials: Vec<Polynomial>,
     systems: Vec<SymmetricSystem>,

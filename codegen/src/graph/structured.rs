@@ -49,7 +49,7 @@ impl SymmetricSystem {
     }
 
     /// Makes these rows those of multipliers: their pivots are negative, and tell nothing about whether the matrix is
-    /// regular.
+    /// regular unless all rows have references.
     #[must_use]
     pub fn with_multipliers(mut self, rows: Vec<usize>) -> Self {
         self.negative = rows;
@@ -63,6 +63,13 @@ impl SymmetricSystem {
             return None;
         }
         Some(self.references.get(row).copied().unwrap_or_else(|| self.entry(row, row)))
+    }
+
+    /// Whether the pivot of a multiplier's row tells whether its condition is one of its own: where references are given for all rows.
+    /// It is then compared with what the rows before, but for those of multipliers, take from the diagonal.
+    #[must_use]
+    pub fn is_compared(&self, row: usize) -> bool {
+        self.negative.contains(&row) && self.references.len() == self.size()
     }
 
     /// Whether the pivot at a position of the factorisation is negative.

@@ -1,5 +1,7 @@
 //! Substitution of expressions for symbols.
 
+use std::collections::BTreeMap;
+
 use rustc_hash::FxHashSet;
 
 use super::{ExprId, Graph, Op, SymbolId};
@@ -20,6 +22,66 @@ impl Graph {
         }
         let mut done = Table::default();
         exprs.iter().map(|&expr| self.substituted(expr, replacements, &mut done)).collect()
+    }
+
+    /// `expr` with every listed symbol replaced as formulas have it: also in what they define, in whose place then stand formulas.
+    ///
+    /// # Panics
+    /// If unknowns of equations change with a symbol that is replaced.
+    pub(crate) fn substitute_in_formula(
+        &mut self,
+        expr: ExprId,
+        replacements: &[(SymbolId, ExprId)],
+    ) -> ExprId {
+        if !self.has_quantities() {
+            return self.substitute(expr, replacements);
+        }
+        let replaced: Vec<ExprId> =
+            replacements.iter().map(|&(symbol, _)| self.intern(Op::Symbol(symbol))).collect();
+        let mut all = replacements.to_vec();
+        let (mut open, mut definitions) = (vec![expr], BTreeMap::new());
+        while let Some(x) = open.pop() {
+            self.refuse_unknowns(x, &replaced);
+            for &symbol in &replaced {
+                for (quantity, definition) in self.quantities_with(x, symbol) {
+                    if !replaced.contains(&quantity) && definitions.insert(quantity, definition).is_none() {
+                        open.push(definition);
+                    }
+                }
+            }
+        }
+        // Quantities come after what they are made of.
+        for (quantity, definition) in definitions {
+            let definition = self.substitute(definition, &all);
+            all.push((self.symbol_of(quantity), definition));
+        }
+        self.substitute(expr, &all)
+    }
+
+    /// Refuses unknowns of equations that change with one of these symbols. Definitions are not entered.
+    fn refuse_unknowns(&self, expr: ExprId, symbols: &[ExprId]) {
+        let within = self.reachable(expr, |g, x| match g.op(x) {
+            Op::Symbol(_) => Vec::new(),
+            _ => g.operands(x),
+        });
+        let is_unknown = |x: &ExprId| {
+            matches!(
+                self.op(*x),
+                Op::RootValue(..)
+                    | Op::RootFigure(..)
+                    | Op::Solution(..)
+                    | Op::InverseFactor { .. }
+                    | Op::PivotRatio(_)
+            )
+        };
+        let changes = |x: &ExprId| {
+            let all = self.reachable(*x, Self::dependencies);
+            symbols.iter().find(|symbol| all.contains(symbol)).copied()
+        };
+        if let Some(symbol) = within.iter().filter(|x| is_unknown(x)).find_map(changes) {
+            let name = &self.symbol_data(self.symbol_of(symbol)).name;
+            panic!("unknowns of equations change with `{name}`: they have no other values with another one");
+        }
     }
 
     /// `expr` with every listed expression replaced where it stands as it is. Definitions are not entered.

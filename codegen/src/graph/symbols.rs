@@ -97,6 +97,16 @@ impl Graph {
         self.quantities.insert(symbol);
     }
 
+    /// Lets inputs that others are divided by be zero: a choice that leaves a quotient out does so in derivatives, too.
+    pub(crate) fn free_divisors(&mut self) {
+        self.has_free_divisors = true;
+    }
+
+    /// Whether there are any.
+    pub(crate) fn has_quantities(&self) -> bool {
+        !self.quantities.is_empty()
+    }
+
     /// Makes quantities variables of their own, for the rules that go through definitions one by one.
     pub(crate) fn end_quantities(&mut self) {
         self.quantities.clear();
@@ -158,6 +168,7 @@ impl Graph {
     pub fn symbol_of(&self, expr: ExprId) -> SymbolId {
         match self.op(expr) {
             Op::Symbol(symbol) => symbol,
+            Op::Constant(bits) => panic!("the number {} is not a symbol", f64::from_bits(bits)),
             op => panic!("{op:?} is not a symbol"),
         }
     }

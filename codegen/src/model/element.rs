@@ -224,7 +224,7 @@ impl<'g> ElementModel<'g> {
         let is_twice =
             |(value, _): &(Returned, _)| value.name != name && value.differentiated == Differentiated::Twice;
         if self.outputs.borrow().iter().any(is_twice) {
-            self.fail(ElementError::Duplicate { name: "gradient".to_owned() });
+            self.fail(ElementError::TwoFunctions { function: name.to_owned() });
         }
         self.output(name, function, Differentiated::Twice);
     }
@@ -290,7 +290,10 @@ impl<'g> ElementModel<'g> {
         self.check_name(name);
         let mut outputs = self.outputs.borrow_mut();
         let is_derivative = ["gradient", "hessian"].contains(&name) || name.ends_with("_jacobian");
-        if is_derivative || outputs.iter().any(|(value, _)| value.name == name) {
+        if is_derivative {
+            self.fail(ElementError::DerivativeName { name: name.to_owned() });
+        }
+        if outputs.iter().any(|(value, _)| value.name == name) {
             self.fail(ElementError::Duplicate { name: name.to_owned() });
         }
         let (name, doc, dimensions) = (name.to_owned(), String::new(), Q::dimensions());
@@ -336,14 +339,21 @@ impl<'g> ElementModel<'g> {
             let symbols = inputs.iter().chain(&nodes).flat_map(|input| &input.symbols);
             let fields = inputs.iter().map(|input| &input.name).filter(|name| *name == NODES);
             let taken = symbols.filter(|name| [NODE_COUNT, NODE_INDEX].contains(&name.as_str()));
-            if let Some(name) = fields.chain(taken).next() {
-                return Err(ElementError::Reserved { name: name.clone() });
+            let is_bound = |name: &&str| {
+                let graph = self.sheet.graph();
+                graph.has_symbol(name) && !graph.has_input(name)
+            };
+            let bound = [NODE_COUNT, NODE_INDEX].into_iter().find(is_bound).map(str::to_owned);
+            if let Some(name) = fields.chain(taken).next().cloned().or(bound) {
+                return Err(ElementError::Reserved { name });
             }
         }
         let values = outputs.iter().map(|(value, _)| value.clone()).collect();
         let (name, doc) = (name.to_owned(), self.doc.into_inner());
         let signature = Signature { name, doc, inputs, nodes, values, points };
         let outputs = Outputs { sheet: self.sheet, outputs, implicit: self.implicit.into_inner() };
-        outputs.finish(signature, self.quantities.into_inner(), self.product.get())
+        let has_inputs = !signature.inputs.is_empty() || !signature.nodes.is_empty();
+        let finished = outputs.finish(signature, self.quantities.into_inner(), self.product.get())?;
+        if has_inputs { Ok(finished) } else { Err(ElementError::NoInput) }
     }
 }

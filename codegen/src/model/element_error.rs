@@ -18,11 +18,38 @@ pub enum ElementError {
         /// The name, or that of an entry.
         name: String,
     },
-    /// The name of an input that the code has itself.
+    /// A name that the code has itself.
     #[error("`{name}` is a name that the code of elements with nodes has itself")]
     Reserved {
         /// The name, or that of an entry.
         name: String,
+    },
+    /// An output has the name of derivatives.
+    #[error("`{name}` is how derivatives are called; take another name for the output")]
+    DerivativeName {
+        /// The name.
+        name: String,
+    },
+    /// Gradient and Hessian are wanted of two functions.
+    #[error("`{function}` is a second function; there is one `energy` or `function` of an element")]
+    TwoFunctions {
+        /// The second one.
+        function: String,
+    },
+    /// An element of fixed size without an input.
+    #[error("there is no input; declare one by `variable` or `parameter`")]
+    NoInput,
+    /// Limits that no iteration keeps.
+    #[error(
+        "the limits of `{root}` are steps of at most {longest_step} and {evaluations} evaluations; both are above zero"
+    )]
+    Limits {
+        /// The root.
+        root: String,
+        /// The longest step, as text.
+        longest_step: String,
+        /// The evaluations.
+        evaluations: u32,
     },
     /// Derivatives are asked for, but there is nothing to differentiate by.
     #[error("`{output}` has no variables to be differentiated by; declare them by `variable`")]

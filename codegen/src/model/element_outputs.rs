@@ -443,6 +443,7 @@ impl ElementKernels {
     /// [`ElementError`], but for its functions' length, which shows when they are written.
     pub fn new(name: &str, formulas: impl FnOnce(&ElementModel<'_>)) -> Result<Self, ElementError> {
         let mut graph = Graph::new();
+        graph.free_divisors();
         let finished = graph.write(|sheet| {
             let model = ElementModel::new(sheet);
             model.check_name(name);

@@ -25,7 +25,8 @@ pub struct Root<'g, const N: usize> {
 pub struct Stationary<'g, const N: usize> {
     /// The unknowns.
     pub unknowns: Vector<'g, N>,
-    /// Smallest pivot of the function's second derivative relative to its diagonal: 0 where there is no single such place.
+    /// Smallest pivot of the function's second derivative relative to its diagonal, and of conditions relative to what makes them up: 0,
+    /// but for rounding, where there is no single such place. Go on only where it is above 10⁻⁷: it may be NaN where inputs are.
     pub pivot_ratio: Expr<'g>,
 }
 
@@ -168,6 +169,9 @@ impl<'g> ElementModel<'g> {
             let zero = self.sheet.zero();
             return Root { unknowns: Vector::zero(self.sheet), residual: zero, iterations: zero };
         }
+        if let Iteration::Within(limits) = iteration {
+            self.check_limits(name, limits);
+        }
         let unknowns = self.unknowns(name);
         let equations = equations(unknowns);
         self.check_sought(&equations.0, &unknowns.0);
@@ -240,6 +244,17 @@ impl<'g> ElementModel<'g> {
             });
         }
         Stationary { unknowns: values, pivot_ratio: system.pivot_ratio() }
+    }
+
+    /// Limits that an iteration can keep.
+    fn check_limits(&self, name: &str, limits: Limits) {
+        if !(limits.longest_step > 0.0) || limits.evaluations == 0 {
+            self.fail(ElementError::Limits {
+                root: name.to_owned(),
+                longest_step: limits.longest_step.to_string(),
+                evaluations: limits.evaluations,
+            });
+        }
     }
 
     /// Equations are those of the element, and their unknowns stand in no sum.

@@ -113,11 +113,12 @@ pub trait Lane:
     #[must_use]
     fn select_less(x: Self, y: Self, then: Self, otherwise: Self) -> Self;
 
-    /// `self` / `divisor`, and 0 in the lanes where `divisor` is 0.
+    /// `self` / `divisor`, and 0 in the lanes where `divisor` is 0. A NaN stays one.
     #[must_use]
     #[inline(always)]
     fn div_or_zero(self, divisor: Self) -> Self {
-        Self::select_less(Self::ZERO, divisor.abs(), self / divisor, Self::ZERO)
+        let smallest = Self::splat(f64::from_bits(1));
+        Self::select_less(divisor.abs(), smallest, Self::ZERO, self / divisor)
     }
 
     /// Whether `x` < `y` in every lane.

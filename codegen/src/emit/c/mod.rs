@@ -89,6 +89,13 @@ pub fn emit_c(elements: &[ElementKernels]) -> String {
     text
 }
 
+/// Names of the constants in a header: `enum { NAME = 1, … };` on a line of its own.
+pub(crate) fn constants(text: &str) -> impl Iterator<Item = &str> {
+    let lists = text.lines().filter_map(|line| line.strip_prefix("enum { ")?.strip_suffix(" };"));
+    let names = lists.flat_map(|list| list.split(", "));
+    names.filter_map(|constant| constant.split(" = ").next())
+}
+
 /// An element's text, once in a file that includes it. Another one of the same name, such as that of another weight, is an error there:
 /// it would be left out without a word.
 fn guarded(name: &str, text: &str) -> String {

@@ -241,9 +241,9 @@ impl<'a> Writer<'a> {
             Op::Mul(x, y) => self.binary(x, "*", y),
             Op::Div(x, y) => self.binary(x, "/", y),
             Op::DivOrZero(x, y) => {
-                let (size, _) = self.call("fabs", &[y]);
+                let divisor = self.at_least(y, Strength::Atom);
                 let (quotient, _) = self.binary(x, "/", y);
-                (format!("({size} > 0.0 ? {quotient} : 0.0)"), Strength::Atom)
+                (format!("({divisor} == 0.0 ? 0.0 : {quotient})"), Strength::Atom)
             }
             Op::Sqrt(x) => self.call("sqrt", &[x]),
             Op::Exp(x) => self.call("exp", &[x]),

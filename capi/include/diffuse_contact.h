@@ -26,7 +26,7 @@
  * (DC_BAD_POINTER). Indices count from 0. Lengths and forces are in the caller's units; g > 0 apart, g < 0 penetrating.
  *
  * Threads: calls without handle may be made from any number of threads at once. A handle serves one thread at a time; a second
- * one gets DC_BUSY. Evaluation runs in parallel inside; the environment variable RAYON_NUM_THREADS says in how many threads. A process
+ * one gets DC_BUSY. Evaluation runs in parallel inside; dc_set_threads or the environment variable RAYON_NUM_THREADS says in how many threads. A process
  * may fork while no thread of it is in a call: the child has copies of all handles and evaluates in threads of its own.
  *
  * Memory: a lack of it for results of an evaluation, equations, patterns, triplets or batches is DC_TOO_LARGE. A lack of it for tables of
@@ -88,7 +88,7 @@ typedef enum dc_status {
 typedef enum dc_outcome {
     // Gap, foot and normal are valid, and the derivatives asked for. A positive gap is no touch.
     DC_CONTACT = 0,
-    // There has been no dc_refresh.
+    // No facet was found for the slave in the last refresh.
     DC_NOT_PAIRED = 1,
     // Beyond distance_limit.
     DC_TOO_FAR = 2,
@@ -350,7 +350,7 @@ typedef struct dc_report {
     double lost_gap;
     // The gap of gained_node by the new pairing.
     double gained_gap;
-    // Whether the pairings were made anew, so that patterns of before are no longer theirs: 0 or 1. With DC_DOMAINS 0 while nothing has
+    // Whether the pairings were made anew: 0 or 1. Patterns of before are still theirs where changed, gained and lost are 0. With DC_DOMAINS 0 while nothing has
     // moved by more than half the skin of the lists, with other rules always 1; 0 of a frozen interface.
     int32_t rebuilt;
     // Of those paired: deeper below the closest facet than a tenth of its size, the root of its area, when they were paired. If most are,
@@ -692,7 +692,7 @@ enum dc_status dc_freeze(struct dc_interface *interface);
 // Ends what dc_freeze began.
 enum dc_status dc_thaw(struct dc_interface *interface);
 
-// Evaluates all slaves at the positions of the last dc_update or dc_refresh, in parallel. `mode` is a dc_mode: DC_GRADIENT
+// Evaluates all slaves at the positions of the last dc_update, dc_follow or dc_refresh, in parallel. `mode` is a dc_mode: DC_GRADIENT
 // for forces and tangent, DC_HESSIAN to keep every M, which dc_derivatives and the exact dc_triplets need. The result does not depend on
 // the number of threads, bit for bit.
 //
@@ -758,7 +758,8 @@ enum dc_status dc_forces(struct dc_interface *interface,
 // - 0.5, for a slave that penetrated and whose foot lies outside its domain of influence in the last evaluation;
 // - 0.25, for one whose element failed otherwise: no foot, singular fit, overflow.
 //
-// A slave penetrated if its gap was negative when it last had one; that it is not paired, too far or beyond the border ends it. Contacts
+// A slave penetrated if its gap was negative when it last had one; that it is not paired, too far, without a candidate or a facet over it,
+// or beyond the border ends it. Contacts
 // that a refresh loses are in dc_report (contacts_lost, lost_gap).
 //
 // # Safety
@@ -922,7 +923,7 @@ enum dc_status dc_triplets(struct dc_interface *interface,
                            size_t *count);
 
 // Makes the union pattern of the pairing: an entry wherever any slave can have one, whether it carries force or not. So it
-// stays valid until a refresh changes the pairing (dc_report: changed, gained or lost is not 0) or dc_set_equations the equations, and
+// stays valid until a dc_refresh (dc_report: changed, gained or lost is not 0) or a dc_follow (its last argument) changes the lists of nodes, or dc_set_equations the equations, and
 // a solver can keep its symbolic factorisation as long. Both triangles are there; columns ascend in a row. It needs an evaluation, in any mode.
 //
 // Writes the handle and the number of entries, which may be NULL. On failure the handle is NULL.
@@ -1052,7 +1053,7 @@ enum dc_status dc_operator_transposed_product(struct dc_operator *tangent,
 // `diagonal` has `equation_count` entries.
 enum dc_status dc_operator_diagonal(struct dc_operator *tangent, double *diagonal, size_t equation_count);
 
-// Cuts a window out of the master surface of an interface, at the positions of its last dc_update or dc_refresh: what slaves in
+// Cuts a window out of the master surface of an interface, at the positions of its last dc_update, dc_follow or dc_refresh: what slaves in
 // `box_count` boxes can need of it, 6 numbers each: lowest and highest x, y, z. The window holds while no node of the master has moved by more than
 // `skin`. It needs DC_DOMAINS, else DC_BAD_OPTION; so it is for boxes that are none and for an interface that has a window only.
 //
@@ -1253,7 +1254,7 @@ enum dc_status dc_history_lengths(const double *history,
 // `positions`: x, y, z of all `node_count` nodes in the first configuration; indices count from 0. `facets`: the master surface,
 // `slave_facets`: the faces of the slave, none of their nodes on the master; of both 4 nodes for each facet, counter-clockwise
 // seen from outside, the fourth -1 for a triangle. NULL and 0 where there are no slave facets, as on a rank of MPI. `options`: NULL for the
-// defaults; `rule` has to be DC_DOMAINS, `areas` and `cutback_penetration` have no meaning. `degree`: 2 or 4, of the polynomials that are
+// defaults; `rule` has to be DC_DOMAINS unless `element` is DC_NODE_TO_FACET, `areas` and `cutback_penetration` have no meaning. `degree`: 2 or 4, of the polynomials that are
 // integrated exactly on each piece of a face.
 //
 // On failure the handle is NULL.

@@ -271,7 +271,9 @@ impl SurfacePart {
         Symmetry::check_sides(planes, &positions, part.extents.facet)?;
         let index = surface.at(&positions)?;
         let creases = Creases::new(&index, options.feature_angle_degrees.to_radians(), &symmetry);
-        let sheet_nodes = SheetNodes::new(&index, &creases, Some(&complete));
+        let sheet_nodes = SheetNodes::new(&index, &creases, &symmetry, Some(&complete));
+        let is_settled = |(place, is_complete)| is_complete && sheet_nodes.is_settled(index.surface(), place);
+        let complete: Vec<bool> = (0..).zip(complete).map(is_settled).collect();
         let sheets = Sheets {
             index: &index,
             creases: &creases,

@@ -1,23 +1,30 @@
 //! Auxiliary points, which fits along a strip of one row of cells take beside nodes.
 //!
 //! Two rows of nodes carry no quadratic surface across. A third row is on the *rungs*: the edges across the strip. It is as straight between
-//! the nodes as the facets are. Where the strip is wide it is in the middles of rungs. Along a strip that is narrow and bends, nodes would
-//! spread more along the normal than across, and their average plane would be none of the strip. So there two rows of ghost nodes lie outside:
-//! beyond each end of a rung, at about the length of a facet.
+//! the nodes as the facets are. Where the strip is wide it is in the middles of rungs. Along a strip that is narrow for its bend, nodes would
+//! spread more along the normal than across, and their average plane would be none of the strip. So there two rows of ghost nodes lie outside,
+//! beyond each end of a rung, at about the length of a facet. Ghost nodes have to stay beside their strip: where it turns
+//! in its own surface, at corners and forks and along the inside of narrow rings, the third row is in the middles.
 //!
 //! A rung is an edge inside a sheet around which all corners lie on the end of the sheet. A triangle has such edges along diagonals, too: of
 //! them only that counts which is the shortest of one of its triangles. The edge at which a strip ends is one as well.
 
 use super::sheet_nodes::SheetNodes;
 use super::topology::NONE;
-use super::{Creases, SurfaceIndex};
+use super::{Creases, Image, SurfaceIndex, Symmetry};
 use crate::Point;
 use crate::vector::Vector3;
 
 /// Edges as long as the shortest of a triangle to this fraction are as short.
 const AS_SHORT: f64 = 1e-6;
-/// Where a rung is so many times as long as a facet along the strip, the strip is wide.
+/// Where a rung is so many times as long as a facet along the strip, or so many times as long as the strip drops over such a length, the strip
+/// is wide.
 const WIDE: f64 = 2.5;
+const WIDE_FOR_ITS_BEND: f64 = 9.0;
+/// Ghost nodes of neighbouring rungs keep this part of the distance between the nodes.
+const APART: f64 = 0.5;
+/// Borders along a strip lean towards its rungs by no more than 60°.
+const ALONG: f64 = 0.5;
 /// Ghost nodes are at most so many lengths of a rung beyond its ends.
 const FARTHEST: u32 = 64;
 
@@ -81,7 +88,7 @@ impl AuxiliaryKind {
 
 /// p x + (1 − p) y; of p = 1 it is x, to the bit.
 pub(crate) fn between(part: f64, [x, y]: [Point; 2]) -> Point {
-    if part == 1.0 { x } else { [0, 1, 2].map(|k| part * x[k] + (1.0 - part) * y[k]) }
+    [0, 1, 2].map(|k| x[k] + (part - 1.0) * (x[k] - y[k]))
 }
 
 /// Whether an edge is a rung, and with which points.
@@ -115,6 +122,7 @@ pub(super) fn rungs(
     nodes: &SheetNodes,
     index: &SurfaceIndex<'_>,
     creases: &Creases,
+    symmetry: &Symmetry,
     is_complete: impl Fn(u32) -> bool,
 ) -> Vec<[Rung; 4]> {
     let surface = index.surface();
@@ -138,7 +146,7 @@ pub(super) fn rungs(
     if is_between.iter().all(|&is| is == Some(false)) {
         return Vec::new();
     }
-    let rungs = Rungs { index, creases, is_between };
+    let rungs = Rungs { index, nodes, creases, symmetry, is_complete: &is_complete, is_between };
     let of_facet = |facet: usize| {
         let mut edges = [Rung::No; 4];
         for (edge, rung) in edges.iter_mut().take(surface.corners_of(facet).len()).enumerate() {
@@ -152,7 +160,11 @@ pub(super) fn rungs(
 /// What rungs are found from.
 struct Rungs<'a> {
     index: &'a SurfaceIndex<'a>,
+    nodes: &'a SheetNodes,
     creases: &'a Creases,
+    symmetry: &'a Symmetry,
+    /// Whether all facets at a sheet node are there.
+    is_complete: &'a dyn Fn(u32) -> bool,
     /// By facet, whether all its corners lie on the end of its sheet; `None` where that is not known.
     is_between: Vec<Option<bool>>,
 }
@@ -175,8 +187,9 @@ impl Rungs<'_> {
         let shape = self.index.shape(facet as u32);
         let [from, to] = shape.edge(edge);
         let width = (to - from).norm();
+        let Some(drop) = self.largest_drop(facet, edge) else { return Rung::Unknown };
         let length = sides.map(|(facet, edge)| self.length_along(facet, edge)).fold(0.0, f64::max);
-        if width >= WIDE * length {
+        if width >= WIDE * length || width >= WIDE_FOR_ITS_BEND * drop {
             return Rung::Middle;
         }
         let mut times = 1;
@@ -186,7 +199,11 @@ impl Rungs<'_> {
                 return Rung::No;
             }
         }
-        Rung::Ghosts(times)
+        match self.keeps_apart(facet, edge, times.into()) {
+            Some(true) => Rung::Ghosts(times),
+            Some(false) => Rung::Middle,
+            None => Rung::Unknown,
+        }
     }
 
     /// The length of a facet along the strip.
@@ -198,6 +215,71 @@ impl Rungs<'_> {
         let to_middle = shape.middle() - from;
         let across = (to - from).normalize();
         (to_middle - across * across.dot(&to_middle)).norm() * part
+    }
+
+    /// Whether ghost nodes so many times a rung's length outside are beside the strip, in the order of its rungs: the borders at both ends of
+    /// the rung go along the strip, and so nearly side by side that their distances reach so far.
+    fn keeps_apart(&self, facet: usize, edge: usize, times: f64) -> Option<bool> {
+        let surface = self.index.surface();
+        let own = self.nodes.of_facet(surface, facet as u32);
+        let ends = [own[edge], own[(edge + 1) % own.len()]];
+        if !ends.iter().all(|&node| (self.is_complete)(node)) {
+            return None;
+        }
+        let shape = self.index.shape(facet as u32);
+        let [from, to] = shape.edge(edge);
+        let across = (to - from).normalize();
+        let along = |x: Vector3| x - across * across.dot(&x);
+        let borders = [0, 1].map(|end| self.borders(ends[end], ends[1 - end]));
+        let forward = along(shape.middle() - from);
+        let turned = |x: &Vector3| if x.dot(&forward) < 0.0 { *x * -1.0 } else { *x };
+        let direction = along(borders.iter().flatten().map(turned).sum()).normalize();
+        let goes_along = |x: &Vector3| x.dot(&direction).abs() >= ALONG * x.norm();
+        if !borders.iter().flatten().all(goes_along) {
+            return Some(false);
+        }
+        let [one, two] = borders.map(|own| own.iter().map(|x| x.dot(&direction).abs()).sum::<f64>());
+        let is_apart = |near: f64, far: f64| near + times * (near - far) >= APART * near;
+        Some(is_apart(one, two) && is_apart(two, one))
+    }
+
+    /// The edges at a node with which its sheet ends, but for that to another node.
+    fn borders(&self, node: u32, other: u32) -> Vec<Vector3> {
+        let surface = self.index.surface();
+        let mut all = Vec::new();
+        for facet in self.nodes.facets(surface, node) {
+            let (own, shape) = (self.nodes.of_facet(surface, facet), self.index.shape(facet));
+            for edge in (0..own.len()).filter(|&edge| self.creases.ends_at(facet as usize, edge)) {
+                let ([from, to], ends) = (shape.edge(edge), [own[edge], own[(edge + 1) % own.len()]]);
+                if ends[0] == node && ends[1] != other {
+                    all.push(to - from);
+                } else if ends[1] == node && ends[0] != other {
+                    all.push(from - to);
+                }
+            }
+        }
+        all
+    }
+
+    /// The largest drop at the edges inside of both facets at an edge, and of triangles next to them: a diagonal lies within a cell.
+    fn largest_drop(&self, facet: usize, edge: usize) -> Option<f64> {
+        let across = |facet: usize, edge: usize| {
+            let other = self.index.surface().across(facet)[edge];
+            (other != NONE && !self.creases.ends_at(facet, edge)).then_some(other as usize)
+        };
+        let mut facets: Vec<usize> = [Some(facet), across(facet, edge)].into_iter().flatten().collect();
+        for own in facets.clone() {
+            if self.index.shape(own as u32).corners().len() == 3 {
+                facets.extend(self.inside(own)?.into_iter().filter_map(|edge| across(own, edge)));
+            }
+        }
+        let mut largest = 0.0_f64;
+        for facet in facets {
+            for edge in self.inside(facet)? {
+                largest = largest.max(self.drop(facet, edge));
+            }
+        }
+        Some(largest)
     }
 
     /// Whether the edge is inside the strip, or is its end.
@@ -287,5 +369,30 @@ impl Rungs<'_> {
         } else {
             Some(true)
         }
+    }
+
+    /// How far the strip drops off the plane of one facet at an edge over the length of the next one.
+    fn drop(&self, facet: usize, edge: usize) -> f64 {
+        let other = self.index.surface().across(facet)[edge];
+        let shape = self.index.shape(facet as u32);
+        let [from, to] = shape.edge(edge);
+        let middle = (from + to) / 2.0;
+        // The middle of a facet lies half its length from the edge, of a triangle a third.
+        let drop = |normal: Vector3, x: Vector3, count: usize| {
+            normal.dot(&(x - middle)).abs() * if count == 3 { 3.0 } else { 2.0 }
+        };
+        let (own, normal, count) = (shape.middle(), self.index.normals()[facet], shape.corners().len());
+        if other == NONE {
+            // In a plane of symmetry the other one is the image.
+            let stays = |image: &Image, x: Vector3| {
+                (Vector3::from(image.of(x.into())) - x).norm() <= self.symmetry.tolerance()
+            };
+            let image =
+                self.symmetry.images_at(from.into()).find(|image| stays(image, from) && stays(image, to));
+            return image.map_or(0.0, |image| drop(normal, Vector3::from(image.of(own.into())), count));
+        }
+        let there = self.index.shape(other);
+        let other = drop(self.index.normals()[other as usize], own, count);
+        drop(normal, there.middle(), there.corners().len()).max(other)
     }
 }

@@ -57,7 +57,7 @@ impl NodalDomains {
         weight: Weight,
         basis: Basis,
     ) -> Self {
-        let nodes = SheetNodes::new(index, creases, None);
+        let nodes = SheetNodes::new(index, creases, symmetry, None);
         let sheets = Sheets { index, creases, nodes: &nodes, symmetry, complete: None };
         let cells = sheets.cells();
         let facets: Vec<u32> = (0..index.surface().facet_count() as u32).collect();

@@ -5,7 +5,7 @@ use std::ops::Range;
 
 use super::auxiliary::{Auxiliary, Rung, rungs};
 use super::topology::NONE;
-use super::{Creases, MasterSurface, SurfaceIndex};
+use super::{Creases, MasterSurface, SurfaceIndex, Symmetry};
 
 /// The sheet nodes of a surface: of each node one for every run of facets around it that is not parted by the end of a sheet. Auxiliary points
 /// have the numbers after those of sheet nodes.
@@ -23,11 +23,16 @@ pub(crate) struct SheetNodes {
 
 impl SheetNodes {
     /// `complete`: of a part of a surface, by place, whether all facets at the node are there.
-    pub fn new(index: &SurfaceIndex<'_>, creases: &Creases, complete: Option<&[bool]>) -> Self {
+    pub fn new(
+        index: &SurfaceIndex<'_>,
+        creases: &Creases,
+        symmetry: &Symmetry,
+        complete: Option<&[bool]>,
+    ) -> Self {
         let surface = index.surface();
         let mut nodes = Self::without_auxiliary(surface, creases);
         let is_complete = |node: u32| complete.is_none_or(|complete| complete[nodes.place(node)]);
-        let of_edges = rungs(&nodes, index, creases, is_complete);
+        let of_edges = rungs(&nodes, index, creases, symmetry, is_complete);
         for (facet, edges) in (0..).zip(&of_edges) {
             for (edge, rung) in edges.iter().enumerate() {
                 nodes.auxiliary.extend(rung.points(nodes.ends_of_edge(surface, facet, edge)));
@@ -65,6 +70,11 @@ impl SheetNodes {
     /// What the edges of a facet are; none where there is no rung.
     pub(super) fn of_edges(&self, facet: u32) -> &[Rung] {
         self.of_edges.get(facet as usize).map_or(&[], |edges| edges)
+    }
+
+    /// Whether no auxiliary point on the edges of the facets at a place depends on facets that are not there.
+    pub fn is_settled(&self, surface: &MasterSurface, place: usize) -> bool {
+        !surface.facets_of_place(place).iter().any(|&facet| self.of_edges(facet).contains(&Rung::Unknown))
     }
 
     /// The auxiliary points of an edge, with their numbers.

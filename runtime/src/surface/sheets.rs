@@ -19,7 +19,8 @@ pub(crate) struct Sheets<'a> {
     pub creases: &'a Creases,
     pub nodes: &'a SheetNodes,
     pub symmetry: &'a Symmetry,
-    /// Of a part of a surface: by place whether all facets at the node are there, and domains of it follow from the part.
+    /// Of a part of a surface: by place whether all facets at the node are there, with all auxiliary points on their edges, so that domains of
+    /// it follow from the part.
     pub complete: Option<&'a [bool]>,
 }
 

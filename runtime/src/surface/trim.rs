@@ -128,16 +128,19 @@ impl Marks {
     }
 }
 
-/// The domains of sheet nodes shrunk by the ratios of crowded ones, and those of auxiliary points.
+/// The domains of sheet nodes shrunk by the ratios of crowded ones, and those of auxiliary points. Nodes of strips that have such points keep
+/// theirs: their fits have hardly more nodes than they need.
 pub(crate) fn trimmed(
     domains: &[MaterialDomain],
     Ratios { ratios, crowded }: &Ratios,
     auxiliary: &[Auxiliary],
 ) -> Vec<MaterialDomain> {
-    let trimmed = |((domain, &ratio), &crowded): ((&MaterialDomain, &f64), &bool)| {
-        if crowded && ratio > 0.0 { domain.times(ratio) } else { *domain }
+    let mut shrinks: Vec<bool> = crowded.iter().zip(ratios).map(|(&is, &ratio)| is && ratio > 0.0).collect();
+    auxiliary.iter().flat_map(|point| point.ends).for_each(|node| shrinks[node as usize] = false);
+    let trimmed = |((domain, &ratio), shrinks): ((&MaterialDomain, &f64), bool)| {
+        if shrinks { domain.times(ratio) } else { *domain }
     };
-    with_auxiliary(domains.iter().zip(ratios).zip(crowded).map(trimmed).collect(), auxiliary)
+    with_auxiliary(domains.iter().zip(ratios).zip(shrinks).map(trimmed).collect(), auxiliary)
 }
 
 /// The smallest ratio for which the fit at a place is well conditioned, as it is with all larger ones; 1 if it is not as it is.

@@ -83,13 +83,13 @@ pub unsafe extern "C" fn dc_window_counts(
             let integers = wanted("integer_count", integer_count, 1, 1)?;
             let reals = wanted("real_count", real_count, 1, 1)?;
             disjoint([nodes.span(), facets.span(), integers.span(), reals.span()])?;
-            let numbers = window.to_numbers();
+            let (integer_count, real_count) = window.count_numbers();
             // SAFETY: as the caller promises.
             unsafe {
                 nodes.write([window.nodes().len()]);
                 facets.write([window.facets().len()]);
-                integers.write([numbers.0.len()]);
-                reals.write([numbers.1.len()]);
+                integers.write([integer_count]);
+                reals.write([real_count]);
             }
             Ok(())
         })

@@ -107,6 +107,7 @@ struct Part {
 /// The interface of some slaves, with a window that has been sent as numbers.
 fn part(window: &Window, slaves: &[Point], all: &[Point], options: InterfaceOptions) -> Part {
     let (integers, reals) = window.to_numbers();
+    assert_eq!(window.count_numbers(), (integers.len(), reals.len()));
     let window = Window::from_numbers(&integers, &reals).unwrap();
     let mut positions: Vec<Point> = window.nodes().map(|number| all[number as usize]).collect();
     let first = positions.len();

@@ -52,7 +52,7 @@ class Window:
 
     @property
     def numbers(self) -> tuple[Ints, Floats]:
-        """Integers, shape (i,), and reals, shape (r,): about 130 bytes a node and 200 a facet that slaves may touch."""
+        """Integers, shape (i,), and reals, shape (r,): about 130 bytes a node and 310 a facet that slaves may touch."""
         return self._window.numbers()
 
     @property

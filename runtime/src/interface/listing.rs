@@ -4,7 +4,7 @@ use super::anchors::{join, list_carriers};
 use super::evaluator::Evaluator;
 use super::nodal::Nodal;
 use super::pairings::Record;
-use super::refresh::{Refresh, RefreshScratch};
+use super::refresh::{FARTHEST_BEYOND, Refresh, RefreshScratch};
 use super::{ContactElement, NoContact};
 use crate::neighbourhood::{Fallback, NeighbourhoodError};
 use crate::surface::{Carried, Closest, Listed, NONE};
@@ -16,6 +16,9 @@ const SKIN: f64 = 0.12;
 
 /// Corners as far above a facet's plane as this part of an extent lie in it.
 const EVEN: f64 = 1e-9;
+
+/// Facets beside which a node of self contact slides may turn by as much, in the cosine, before it is listed anew.
+const TURNED: f64 = 0.25;
 
 impl Refresh<'_> {
     /// Lists the nodes of the slave's sheet that may come within reach, with their images.
@@ -124,6 +127,12 @@ impl Refresh<'_> {
                 return distance.min(known) - limit;
             }
             Err(NoContact::BeyondWindow { .. }) => 0.0,
+            // Until it is paired again.
+            Err(NoContact::BeyondBorder { distance, tolerance }) => {
+                let height = closest.map_or(0.0, |closest| self.index.shape(closest.facet).least_height());
+                let skin = 0.5 * SKIN * nodal.domains.shortest();
+                return skin.min((distance - tolerance - FARTHEST_BEYOND) * height);
+            }
             _ => 0.5 * SKIN * nodal.domains.shortest(),
         };
         if self.facets.is_some() {
@@ -139,8 +148,14 @@ impl Refresh<'_> {
         let known = self.knowledge.map_or(f64::INFINITY, |knowledge| knowledge.radius(slave) - distance);
         let mut lead = known.min(2.0 * skin);
         let may_touch = own.zip(self.evaluator.surface.nodes().binary_search(&(node as u32)).ok());
-        let may_touch = may_touch.map(|(own, place)| own.may_touch(self.index, Some(&nodal.domains), place));
-        self.index.for_each_within(slave, distance + lead, |facet| {
+        // Facets turn on the way.
+        let may_touch =
+            may_touch.map(|(own, place)| own.may_touch(self.index, Some(&nodal.domains), place, TURNED));
+        self.index.for_each_within(slave, distance + lead, |facet, from_box| {
+            // What was near when the search began need not be near enough now.
+            if from_box >= distance + lead {
+                return;
+            }
             let is_candidate = may_touch.as_ref().is_none_or(|may_touch| may_touch(facet));
             if is_candidate && !closest.is_ok_and(|closest| self.lists_alike(nodal, closest.facet, facet)) {
                 lead = lead.min(self.lead(slave, distance, closest.ok(), facet));

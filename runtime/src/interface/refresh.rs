@@ -23,7 +23,7 @@ use crate::{Basis, Frame, Point};
 /// Slaves that one thread pairs in a row.
 const CHUNK: usize = 256;
 /// A slave that lies beyond the border by more than this many heights of the facet is not paired.
-const FARTHEST_BEYOND: f64 = 1.0;
+pub(super) const FARTHEST_BEYOND: f64 = 1.0;
 
 /// A slave deeper below the closest facet than this part of the facet's size is more than a mesh that does not quite fit.
 const DEEP: f64 = 0.1;

@@ -3,7 +3,7 @@
 use crate::vector::Vector3;
 use rayon::prelude::*;
 use rstar::primitives::{GeomWithData, Rectangle};
-use rstar::{AABB, RTree, SelectionFunction};
+use rstar::{AABB, PointDistance, RTree, SelectionFunction};
 
 use super::checks::LARGEST;
 use super::shape::Foot;
@@ -187,9 +187,10 @@ impl<'a> SurfaceIndex<'a> {
         ties.iter().find(decided).or_else(|| ties.first()).copied()
     }
 
-    /// Hands over the facets whose boxes are no farther from a point than a limit, in no order.
-    pub(crate) fn for_each_within(&self, point: Point, limit: f64, mut f: impl FnMut(u32)) {
-        self.tree.locate_within_distance(point, limit * limit).for_each(|boxed| f(boxed.data));
+    /// Hands over the facets whose boxes are no farther from a point than a limit, with that distance, in no order.
+    pub(crate) fn for_each_within(&self, point: Point, limit: f64, mut f: impl FnMut(u32, f64)) {
+        let boxes = self.tree.locate_within_distance(point, limit * limit);
+        boxes.for_each(|boxed| f(boxed.data, boxed.distance_2(&point).sqrt()));
     }
 
     /// The facets whose boxes meet a box, ascending.

@@ -102,7 +102,7 @@ impl OwnSurface {
         may: impl Fn(u32) -> bool,
     ) -> Option<Closest> {
         let surface = index.surface();
-        let may_touch = self.may_touch(index, domains, place);
+        let may_touch = self.may_touch(index, domains, place, 0.0);
         let (point, normals) = (index.positions()[place], index.normals());
         let x = Vector3::from(point);
         let around = |facet: u32| {
@@ -119,17 +119,19 @@ impl OwnSurface {
         })
     }
 
-    /// Whether the node at a place may touch a facet, if it lies in front of it.
+    /// Whether the node at a place may touch a facet, if it lies in front of it. `turned`: the cosine of its angle to one that looks against
+    /// the node may be larger by so much.
     pub fn may_touch<'s>(
         &'s self,
         index: &'s SurfaceIndex<'_>,
         domains: Option<&'s NodalDomains>,
         place: usize,
+        turned: f64,
     ) -> impl Fn(u32) -> bool + 's {
         let surface = index.surface();
         let normal = normal_at(surface, place, |facet| index.shape(facet));
         move |facet| {
-            index.normals()[facet as usize].dot(&normal) <= OPPOSITE
+            index.normals()[facet as usize].dot(&normal) <= OPPOSITE + turned
                 && self.is_apart(surface, domains, place, facet)
         }
     }

@@ -129,6 +129,14 @@ impl Shape {
         area.try_normalize().filter(Vector3::is_finite).unwrap_or_default()
     }
 
+    /// The least height over an edge of a triangle; of a quadrilateral its area over its longest edge. Length.
+    pub fn least_height(&self) -> f64 {
+        let edges = (0..self.corners().len()).map(|edge| self.edge(edge));
+        let longest = edges.map(|[from, to]| (to - from).norm()).fold(0.0, f64::max);
+        let part = if self.corners().len() == 3 { 2.0 } else { 1.0 };
+        part * self.area_vector().norm() / longest
+    }
+
     /// Largest coordinate difference from the first corner.
     pub fn extent(&self) -> f64 {
         let corners = self.corners();

@@ -385,6 +385,15 @@ module diffuse_contact
             integer(c_int) :: status
         end function
 
+        function dc_augmented_history(interface, history, capacity, count) bind(c) result(status)
+            import :: c_double, c_int, c_ptr, c_size_t
+            type(c_ptr), value :: interface
+            real(c_double), intent(inout), optional :: history(*)
+            integer(c_size_t), value :: capacity
+            integer(c_size_t), intent(out) :: count
+            integer(c_int) :: status
+        end function
+
         function dc_set_history(interface, history, count) bind(c) result(status)
             import :: c_double, c_int, c_ptr, c_size_t
             type(c_ptr), value :: interface
@@ -908,6 +917,15 @@ module diffuse_contact
 
         !> Numbers for a restart; without history count gets how many there are.
         function dc_faces_history(faces, history, capacity, count) bind(c) result(status)
+            import :: c_double, c_int, c_ptr, c_size_t
+            type(c_ptr), value :: faces
+            real(c_double), intent(inout), optional :: history(*)
+            integer(c_size_t), value :: capacity
+            integer(c_size_t), intent(out) :: count
+            integer(c_int) :: status
+        end function
+
+        function dc_faces_augmented_history(faces, history, capacity, count) bind(c) result(status)
             import :: c_double, c_int, c_ptr, c_size_t
             type(c_ptr), value :: faces
             real(c_double), intent(inout), optional :: history(*)

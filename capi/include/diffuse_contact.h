@@ -882,6 +882,16 @@ enum dc_status dc_history(struct dc_interface *interface,
                           size_t capacity,
                           size_t *count);
 
+// As dc_history, of what friction is measured from at the moment: with the rounds of dc_augment since the last accepted step. Another
+// interface, such as one in a window made anew, goes on from it within the step.
+//
+// # Safety
+// `history` is NULL or has `capacity` entries; `count` may be written.
+enum dc_status dc_augmented_history(struct dc_interface *interface,
+                                    double *history,
+                                    size_t capacity,
+                                    size_t *count);
+
 // Goes on from numbers that dc_history gave, bit for bit; NULL and 0 for none. If they are others than the present ones no slave is paired
 // until the next dc_refresh; one of a frozen interface does not pair.
 //
@@ -1438,6 +1448,12 @@ enum dc_status dc_faces_roll_back(struct dc_faces *faces);
 // # Safety
 // `history` is NULL or has `capacity` entries; `count` may be written.
 enum dc_status dc_faces_history(struct dc_faces *faces, double *history, size_t capacity, size_t *count);
+
+// As dc_augmented_history.
+//
+// # Safety
+// `history` is NULL or has `capacity` entries; `count` may be written.
+enum dc_status dc_faces_augmented_history(struct dc_faces *faces, double *history, size_t capacity, size_t *count);
 
 // Goes on from numbers that dc_faces_history gave, bit for bit; NULL and 0 for none. If they are others than the present ones there is no
 // contact until the next dc_faces_refresh.

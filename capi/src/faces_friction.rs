@@ -135,6 +135,23 @@ pub unsafe extern "C" fn dc_faces_history(
     })
 }
 
+/// As dc_augmented_history.
+///
+/// # Safety
+/// `history` is NULL or has `capacity` entries; `count` may be written.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn dc_faces_augmented_history(
+    faces: *mut dc_faces,
+    history: *mut f64,
+    capacity: usize,
+    count: *mut usize,
+) -> dc_status {
+    call(faces, |state| {
+        // SAFETY: as the caller promises.
+        unsafe { write_history(state.interface.augmented_history(), history, capacity, count) }
+    })
+}
+
 /// Goes on from numbers that dc_faces_history gave, bit for bit; NULL and 0 for none. If they are others than the present ones there is no
 /// contact until the next dc_faces_refresh.
 ///

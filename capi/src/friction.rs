@@ -283,6 +283,24 @@ pub unsafe extern "C" fn dc_history(
     })
 }
 
+/// As dc_history, of what friction is measured from at the moment: with the rounds of dc_augment since the last accepted step. Another
+/// interface, such as one in a window made anew, goes on from it within the step.
+///
+/// # Safety
+/// `history` is NULL or has `capacity` entries; `count` may be written.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn dc_augmented_history(
+    interface: *mut dc_interface,
+    history: *mut f64,
+    capacity: usize,
+    count: *mut usize,
+) -> dc_status {
+    call(interface, |state| {
+        // SAFETY: as the caller promises.
+        unsafe { write_history(state.interface.augmented_history(), history, capacity, count) }
+    })
+}
+
 /// Goes on from numbers that dc_history gave, bit for bit; NULL and 0 for none. If they are others than the present ones no slave is paired
 /// until the next dc_refresh; one of a frozen interface does not pair.
 ///

@@ -80,6 +80,11 @@ macro_rules! has_history {
                 Ok(PyArray1::from_vec(slf.py(), shared(slf)?.interface.history()))
             }
 
+            /// The same with the rounds since the last accepted step.
+            fn augmented_history<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyArray1<f64>>> {
+                Ok(PyArray1::from_vec(slf.py(), shared(slf)?.interface.augmented_history()))
+            }
+
             /// Goes on from such numbers.
             fn set_history(slf: &Bound<'_, Self>, history: &Bound<'_, PyArray1<f64>>) -> PyResult<()> {
                 let py = slf.py();

@@ -131,6 +131,12 @@ def test_rounds_of_augmentation_are_tried_accepted_and_forgotten():
     # The traction of before is the multiplier: at the same positions it is there twice.
     np.testing.assert_allclose(half.friction[::2], 2.0 * first.friction[::2], rtol=0, atol=1e-12)
     np.testing.assert_allclose(half.friction[1::2], first.friction[1::2], rtol=0, atol=1e-12)
+    # Another interface goes on from the round.
+    other, _ = block(law, 1e-3)
+    other.history = faces.augmented_history
+    np.testing.assert_array_equal(faces.history, history)
+    other.refresh(positions)
+    np.testing.assert_array_equal(other.evaluate(50.0, **law).friction, half.friction)
     faces.roll_back()
     faces.refresh(positions)
     np.testing.assert_array_equal(faces.evaluate(50.0, **law).friction, first.friction)
@@ -183,7 +189,9 @@ def test_nodes_are_augmented(scene):
     np.testing.assert_allclose(interface.slip_errors(1e3, **law), 1e-3, rtol=0.02)
     interface.augment(1e3, **law)
     np.testing.assert_allclose(traction(), 2.0 * first, rtol=0.02)
+    assert not np.array_equal(interface.augmented_history, interface.history)
     interface.roll_back()
+    np.testing.assert_array_equal(interface.augmented_history, interface.history)
     interface.refresh_pairing(moved)
     np.testing.assert_array_equal(traction(), first)
 

@@ -19,7 +19,7 @@ use crate::contacts::dc_forces;
 use crate::faces::*;
 use crate::faces_assembly::*;
 use crate::faces_friction::*;
-use crate::friction::{dc_augment, dc_roll_back, dc_slip_errors};
+use crate::friction::{dc_augment, dc_augmented_history, dc_roll_back, dc_slip_errors};
 use crate::interface::{dc_destroy, dc_evaluate, dc_refresh};
 use crate::law::dc_law;
 use crate::status::{DC_BAD_OPTION, DC_BAD_POINTER, DC_BAD_SIZE, DC_NOT_EVALUATED, DC_OK, dc_status};
@@ -177,6 +177,16 @@ fn by_calls(pair: &Pair, moved: &[f64], law: &dc_law) -> Vec<Vec<f64>> {
                     refresh(moved);
                 }
             }
+            type Read = unsafe extern "C" fn(*mut dc_faces, *mut f64, usize, *mut usize) -> dc_status;
+            let histories = [dc_faces_history as Read, dc_faces_augmented_history].map(|read| {
+                let (mut numbers, mut count) = (vec![0.0; 4000], 0);
+                done(read(handle, numbers.as_mut_ptr(), numbers.len(), &mut count));
+                numbers.truncate(count);
+                numbers
+            });
+            // The round is in the one, and in the other from the next accepted step on.
+            assert_eq!(histories[0] == histories[1], round != 1);
+            assert!(histories[0].len() > 25);
             done(dc_faces_evaluate(handle, law, 2));
             done(dc_faces_add_forces(handle, residual.as_mut_ptr(), moved.len(), null_mut(), null_mut()));
             let mut errors = vec![0.0; 25];
@@ -291,6 +301,9 @@ fn nodes_have_pressures_by_table() {
         assert_eq!(dc_augment(handle, &LAW, null(), 4), DC_OK, "{}", message());
         assert_eq!(dc_slip_errors(handle, &LAW, errors.as_mut_ptr(), 4), DC_OK, "{}", message());
         assert_eq!(errors, [0.0; 4]);
+        let mut count = 9;
+        assert_eq!(dc_augmented_history(handle, null_mut(), 0, &mut count), DC_OK, "{}", message());
+        assert_eq!(count, 0);
         let mut residual = vec![0.0; 120];
         assert_eq!(dc_add_forces(handle, &LAW, residual.as_mut_ptr(), 120, null_mut()), DC_OK);
         // Nothing was augmented, so that pairings stay.

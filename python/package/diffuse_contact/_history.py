@@ -124,3 +124,11 @@ class FrictionHistory(ABC):
     @history.setter
     def history(self, history: ArrayLike) -> None:
         self._kept.set_history(floats("history", history, "h"))
+
+    @property
+    def augmented_history(self) -> Floats:
+        """What friction is measured from at the moment, shape (h,): the history with the rounds of ``augment`` since.
+
+        Another interface, such as one in a window made anew, goes on from it within the increment.
+        """
+        return self._kept.augmented_history()

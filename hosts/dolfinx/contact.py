@@ -32,8 +32,14 @@ class Nodes:
         self.values = PETSc.Vec().createSeq(len(self.equations))
         source = PETSc.IS().createGeneral(self.equations, comm=PETSc.COMM_SELF)
         self.scatter = PETSc.Scatter().create(vector, source, self.values, None)
+        source.destroy()
         first, last = vector.getOwnershipRange()
         self.nbytes = self.values.array_r.itemsize * int(((self.equations < first) | (self.equations >= last)).sum())
+
+    def destroy(self) -> None:
+        """Gives the scatter back, on all ranks: what Python alone forgets, PETSc keeps."""
+        self.scatter.destroy()
+        self.values.destroy()
 
     def bring(self, vector: PETSc.Vec) -> np.ndarray:
         """What the vector has for these nodes, shape (n, 3)."""
@@ -104,6 +110,14 @@ class Gap(NamedTuple):
     stiffness: float
 
 
+def carriers_of(row: np.ndarray) -> np.ndarray:
+    """The numbers of the nodes that a slave sticks to, from its part of a history: of its origin and its anchor."""
+    origin = row[:0]
+    if row[0] == -2.0:
+        origin, row = np.split(row[2:], [3 * int(row[1])])
+    return np.concatenate([origin, row[2:]])[::3].astype(np.int64)
+
+
 @contextmanager
 def beside_the_edge(contact: Contact) -> Iterator[None]:
     """Takes the coefficient of friction a little less than it is, for the first tangent of an increment.
@@ -160,13 +174,13 @@ class Contact:
         self.part = Part(self.exchange, boundary(space, master), {})
         self.around = Nodes(self.part.blocks, self.part.positions, vector, self.exchange)
         self._take_slaves(boundary(space, slave))
-        self.interface, self.renewals = None, 0
+        self.interface, self.nodes, self.renewals = None, None, 0
         #: 1 in the equations with given displacements, in which contact has no rows and columns.
         self.held = vector.duplicate()
-        #: Where the slaves were at the end of the last increment: their anchors lie there.
-        self.accepted = self.slave_nodes.first
-        #: Whether friction has begun: an interface that is made later has a history of slaves that stick nowhere.
-        self.slides = False
+        #: Displacements at the end of the last increment.
+        self.accepted = vector.copy()
+        #: What slaves stuck to then, as numbers; of slaves that stick nowhere until friction has begun.
+        self.history = np.empty(0)
         self.renew(vector)
 
     def _take_slaves(self, own: Facets) -> None:
@@ -215,13 +229,10 @@ class Contact:
     def renew(self, u: PETSc.Vec) -> None:
         """Makes the window anew, and the interface in it; histories go with their slaves."""
         moved = self.around.positions(u)
-        slaves = self.slave_nodes.positions(u)
-        points = np.vstack([slaves[: len(self.slaves)], self.accepted[: len(self.slaves)]])
+        slaves, accepted = (self.slave_nodes.positions(at)[: len(self.slaves)] for at in (u, self.accepted))
+        points = np.vstack([slaves, accepted, self._anchors(u)])
         boxes = dc.boxes_around(points, 1.001 * self.limit + self.skin, 8)
         self.window, blocks, owners = self.part.window(moved, boxes, self.skin)
-        history = np.full(len(self.slaves), -1.0) if self.slides else np.empty(0)
-        if self.interface is not None and self.slides:
-            history = self.interface.history
         self.interface = None
         if self.window is None:
             # No facet is near: nothing to evaluate, and nothing to add.
@@ -229,11 +240,13 @@ class Contact:
         else:
             first, self.names = self.window.first_positions, self.window.nodes
         blocks, first_of_all = np.concatenate([blocks, self.slave_blocks]), np.vstack([first, self.slave_nodes.first])
+        if self.nodes is not None:
+            self.nodes.destroy()
         self.nodes = Nodes(blocks, first_of_all, self.vector, self.exchange)
         self.owners = np.concatenate([owners, self.slave_owners])
-        self.start = self.watched(u)
+        self.start, self._free = self.watched(u), None
         # Ranks without a window take part, too: others may need nodes of theirs.
-        positions = self.nodes.positions(u)
+        positions, before = self.nodes.positions(u), self.nodes.positions(self.accepted)
         if self.window is not None:
             # Slaves where they were in the beginning: areas are those of the first configuration.
             made = np.vstack([positions[: len(first)], self.slave_nodes.first])
@@ -244,11 +257,23 @@ class Contact:
                 slave_facets=len(first) + self.corners,
                 distance_limit=self.limit,
             )
-            if len(history):
-                self.interface.history = history
-            self.interface.refresh_pairing(positions)
+            if len(self.history):
+                self.interface.history = self.history
+            # A slave stays on the side that it had at the end of the last increment.
+            self.interface.refresh_pairing(before)
+            self.interface.follow(positions)
         self.renewals += 1
         self.changed = True
+
+    def _anchors(self, u: PETSc.Vec) -> np.ndarray:
+        """Where the nodes are now that slaves stuck to at the end of the last increment, shape (n, 3)."""
+        if self.nodes is None:
+            return np.empty((0, 3))
+        positions = self.nodes.positions(u)
+        if self.interface is None or not len(self.history):
+            return np.empty((0, 3))
+        numbers = np.concatenate([carriers_of(row) for row in dc.split_history(self.history)])
+        return positions[np.flatnonzero(np.isin(self.names, numbers))]
 
     def evaluate(self, u: PETSc.Vec, mode: str) -> None:
         """Evaluates at these displacements. Raises on all ranks if a slave cannot know its result."""
@@ -261,9 +286,9 @@ class Contact:
             self.renew(u)
         elif self.interface is not None:
             self.changed |= self.interface.follow(positions)
-        beyond = self.evaluate_here(mode)
-        if self.exchange.largest(float(beyond)) > 0:
-            raise RuntimeError(f"{beyond} slaves of rank {self.exchange.comm.rank} reach beyond their window")
+        beyond = self.exchange.largest(float(self.evaluate_here(mode)))
+        if beyond > 0:
+            raise RuntimeError(f"{beyond:.0f} slaves of one rank reach beyond their window")
 
     def watched(self, u: PETSc.Vec) -> np.ndarray:
         """Positions of the slaves and of the corners of own facets: on all ranks together, of everybody."""
@@ -275,12 +300,14 @@ class Contact:
 
     def accept(self, u: PETSc.Vec) -> None:
         """The end of an increment: friction of the next one begins here."""
-        self.accepted = self.slave_nodes.positions(u)
-        self.slides = "friction" in self.law
-        if self.interface is not None and self.slides:
-            self.interface.accept(**self.law)
-            # Anchors couple their nodes, too.
-            self.changed = True
+        u.copy(self.accepted)
+        if "friction" in self.law:
+            self.history = np.full(len(self.slaves), -1.0)
+            if self.interface is not None:
+                self.interface.accept(**self.law)
+                self.history = self.interface.history
+                # Anchors couple their nodes, too.
+                self.changed = True
 
     def add_forces(self, forces: PETSc.Vec) -> None:
         """Adds the contact forces on the nodes; PETSc carries those of other ranks."""
@@ -290,7 +317,7 @@ class Contact:
 
     def add_tangent(self, matrix: PETSc.Mat, which: str) -> None:
         """Adds the contact tangent, ``"exact"`` or ``"gauss-newton"``."""
-        free = 1.0 - self.nodes.bring(self.held).reshape(-1)
+        free = self._free_equations()
         if self.interface is not None:
             tangent, equations = self.interface.tangent(**self.law, tangent=which), self.nodes.equations
             rows = tangent.indptr.astype(PETSc.IntType)
@@ -298,10 +325,16 @@ class Contact:
             matrix.setValuesIJV(rows, equations[tangent.indices], values, addv=ADD, rowmap=equations)
         matrix.assemble()
 
+    def _free_equations(self) -> np.ndarray:
+        """Of the nodes' equations 0 where displacements are given, else 1. Brought once for each window."""
+        if self._free is None:
+            self._free = 1.0 - self.nodes.bring(self.held).reshape(-1)
+        return self._free
+
     def linearise(self, u: PETSc.Vec, which: str) -> None:
         """Makes the tangent at these displacements an operator, for ``add_product``."""
         self.evaluate(u, "gradient")
-        self.free = 1.0 - self.nodes.bring(self.held).reshape(-1)
+        self.free = self._free_equations()
         self.operator = None if self.interface is None else self.interface.operator(**self.law, tangent=which)
 
     def add_product(self, v: PETSc.Vec, out: PETSc.Vec) -> None:
@@ -314,7 +347,7 @@ class Contact:
 
     def gaps(self) -> list[Gap]:
         """The gaps of the slaves that carry force, after an evaluation for tangents."""
-        free = 1.0 - self.nodes.bring(self.held).reshape(-1, 3)
+        free = self._free_equations().reshape(-1, 3)
         if self.interface is None:
             return []
         normal = self.law["penalty"]

@@ -66,9 +66,9 @@ class FaceContact:
         corners = np.concatenate([own.positions for own in self.own])
         sides = np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=2)
         self.smallest = -self.exchange.largest(-sides.min(initial=np.inf))
-        #: No facet is wider along an axis.
+        #: No facet is wider along an axis, in the first configuration.
         self.largest = self.exchange.largest(np.ptp(corners, axis=1).max(initial=0.0))
-        self.interface, self.renewals, self.history = None, 0, {}
+        self.interface, self.nodes, self.renewals, self.history = None, None, 0, {}
         #: Whether friction has begun: an interface that is made later has a history of nodes that stick nowhere.
         self.slides = False
         self.cut_at = None
@@ -104,7 +104,8 @@ class FaceContact:
     def renew(self, u: PETSc.Vec) -> None:
         """Makes the windows anew, and the interface in them; histories are those that owners have."""
         # Rows of the own nodes take the pressures at all corners of the faces beside them, which take all faces there.
-        near = dc.boxes_around(self.watched(u), self.limit + self.skin + 2 * self.largest, 8)
+        wide = self._widest(u) + self.skin
+        near = dc.boxes_around(self.watched(u), self.limit + self.skin + 2 * wide, 8)
         facets = self._faces_near(u, near)
         _, blocks, _, first, _ = facets.by_node()
         corners = Nodes(blocks, first, self.vector, self.exchange)
@@ -112,12 +113,15 @@ class FaceContact:
         slave = self.parts[1].window(self.parts[1].positions, boxes, 0.0)
         # Also where slaves have stuck.
         points = np.concatenate([corners.positions(u), corners.positions(self.accepted)])
-        boxes = dc.boxes_around(points, 1.001 * self.limit + self.skin + self.largest, 8)
+        corners.destroy()
+        boxes = dc.boxes_around(points, 1.001 * self.limit + self.skin + wide, 8)
         master = self.parts[0].window(self.around[0].positions(u), boxes, self.skin)
         self.windows = [master[0], slave[0]]
         blocks, self.owners = (np.concatenate(both) for both in zip(master[1:], slave[1:], strict=True))
         nowhere = np.empty((0, 3))
         first = [nowhere if window is None else window.first_positions for window in self.windows]
+        if self.nodes is not None:
+            self.nodes.destroy()
         self.nodes = Nodes(blocks, np.concatenate(first), self.vector, self.exchange)
         self.first_slave = len(first[0])
         self.interface = None
@@ -130,6 +134,14 @@ class FaceContact:
         self._gather_history()
         self.start, self.cut_at = self.watched(u), None
         self.renewals += 1
+
+    def _widest(self, u: PETSc.Vec) -> float:
+        """No facet is wider along an axis at these displacements: facets turn and stretch."""
+        widest = 0.0
+        for around, part, own in zip(self.around, self.parts, self.own, strict=True):
+            corners = around.positions(u)[np.searchsorted(part.nodes, own.nodes)]
+            widest = max(widest, np.ptp(corners, axis=1).max(initial=0.0))
+        return self.exchange.largest(float(widest))
 
     def _faces_near(self, u: PETSc.Vec, boxes: np.ndarray) -> Facets:
         """The faces of the slave in these boxes at these displacements, from the ranks with their cells."""
@@ -180,8 +192,9 @@ class FaceContact:
         if self.interface is not None:
             outcomes = self.interface.evaluate(**self.law, mode=mode).outcomes
             beyond = sum(outcomes[k] == "beyond-window" for k in np.flatnonzero(self.needed).tolist())
-        if self.exchange.largest(float(beyond)) > 0:
-            raise RuntimeError(f"{beyond} nodes of rank {self.exchange.comm.rank} reach beyond their windows")
+        beyond = self.exchange.largest(float(beyond))
+        if beyond > 0:
+            raise RuntimeError(f"{beyond:.0f} nodes of one rank reach beyond their windows")
 
     def _follow(self, u: PETSc.Vec) -> None:
         """Takes over positions. Faces are cut anew on all ranks or on none."""
@@ -244,10 +257,11 @@ class FaceContact:
     def add_product(self, v: PETSc.Vec, out: PETSc.Vec) -> None:
         """Adds the tangent times a vector: its values come from neighbours, and each rank has the rows of its nodes."""
         v = self.free * self.nodes.bring(v).reshape(-1)
-        product = np.zeros_like(v)
         if self.interface is not None:
-            product = self.interface.product(v, self.which) * self.free * self._kept_rows()
-        self.nodes.add(product, out)
+            kept = self._kept_rows()
+            product = (self.interface.product(v, self.which) * self.free)[kept]
+            out.setValues(self.nodes.equations[kept], product, addv=ADD)
+        out.assemble()
 
     def union(self, solids: Pattern) -> PETSc.Mat:
         """An empty matrix with room for the solids and for the nodes that carry pressure at the last positions."""

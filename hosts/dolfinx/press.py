@@ -14,7 +14,8 @@ of the master; no rank holds the whole surface. Forces and rows of the tangent a
 2. `Problem.predict` begins an increment: the last tangent says where given displacements lead.
 3. SNES asks `Problem` for residual and tangent, `prepare` for a matrix wherever other nodes couple.
 
-Run with ``python3 press.py mesh.xdmf``, or the same under ``mpirun -n 4``. ``--help`` tells the options.
+Run with ``python3 press.py mesh.xdmf``, or with ``mpirun -n 4 python3 -m mpi4py press.py mesh.xdmf``: an error on one
+rank then ends all. ``--help`` tells the options.
 """
 
 from __future__ import annotations
@@ -35,7 +36,7 @@ from faces import FaceContact
 from mpi4py import MPI
 from petsc4py import PETSc
 from scene import on_master, on_slave
-from solvers import GapMultigrid, ShellTangent, rigid_body_modes
+from solvers import GapMultigrid, ShellTangent
 from source import MeshFile
 from surfaces import input_numbers
 
@@ -66,9 +67,9 @@ class Problem:
         held = np.concatenate([given.dof_indices()[0] for given in conditions])
         self.held = held[held < self.residual.getLocalSize()]
         contact.held.array_w[self.held] = 1.0
-        positions = u.function_space.tabulate_dof_coordinates()[: self.vector.getLocalSize() // 3]
-        self.near_null_space = rigid_body_modes(positions, self.vector, np.empty(0, dtype=np.int64))
         self.which = "gauss-newton"
+        #: The vector, and its state, at which contact was evaluated last, in mode "gradient".
+        self.evaluated_at = None
 
     def take_over(self, x: PETSc.Vec) -> None:
         """The displacements of the next evaluation."""
@@ -88,6 +89,7 @@ class Problem:
         b.axpy(-1.0, self.forces)
         self.which = self.adaptive_tangent(b)
         petsc.set_bc(b, self.conditions, x, -1.0)
+        self.evaluated_at = x.handle, x.stateGet()
 
     def adaptive_tangent(self, b: PETSc.Vec) -> str:
         """The contact tangent at this residual, in which held equations have their reactions. The same on all ranks."""
@@ -100,7 +102,6 @@ class Problem:
         """Before each linear system: where other nodes couple, an assembled matrix is another one."""
         if self.contact.is_changed():
             matrix = self.contact.union(self.pattern)
-            matrix.setNearNullSpace(self.near_null_space)
             snes.setJacobian(self.J, self.shell or matrix, matrix)
 
     def J(self, snes: PETSc.SNES, x: PETSc.Vec, A: PETSc.Mat, P: PETSc.Mat) -> None:
@@ -110,7 +111,9 @@ class Problem:
         petsc.assemble_matrix(self.solids, self.tangent_form, bcs=self.conditions)
         self.solids.assemble()
         if self.shell is None:
-            self.contact.evaluate(self.vector, self.contact.mode_of_tangent)
+            mode = self.contact.mode_of_tangent
+            if mode != "gradient" or self.evaluated_at != (x.handle, x.stateGet()):
+                self.contact.evaluate(self.vector, mode)
         else:
             self.contact.linearise(self.vector, self.which)
             A.assemble()
@@ -164,6 +167,8 @@ class Problem:
         x.axpy(1.0, way)
         x.axpy(1.0, free)
         petsc.set_bc(x, self.conditions)
+        for vec in (b, way, change, free):
+            vec.destroy()
         return ksp.getIterationNumber()
 
 
@@ -290,6 +295,7 @@ def solve(comm: MPI.Comm, arguments: argparse.Namespace) -> tuple[dict, dict]:
         contact.evaluate(u, mode)
         results = contact.results()
         contact.accept(u)
+        problem.evaluated_at = None
         received.append(contact.exchange.received - before)
     if not found["iterations"]:
         contact.evaluate(u, mode)

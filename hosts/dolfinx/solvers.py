@@ -68,16 +68,25 @@ class GapMultigrid:
         self.u = contact.vector
         count = self.u.getLocalSize() // 3
         self.first = space.tabulate_dof_coordinates()[:count].copy()
+        #: None where no gap is an unknown.
         self.transformation = None
+        self.inner = None
         self.work = [self.u.duplicate() for _ in range(2)]
 
     def setUp(self, pc: PETSc.PC) -> None:
         """For the matrix of the moment."""
+        # What Python alone forgets, PETSc keeps: all ranks have to say so.
+        for old in (self.inner, self.transformation):
+            if old is not None:
+                old.destroy()
         _, matrix = pc.getOperators()
         stiffness, without = self._take_gaps(matrix)
-        transformed = matrix.ptap(self.transformation)
-        transformed.setBlockSize(3)
-        if self.adds:
+        if self.transformation is None:
+            transformed = matrix
+        else:
+            transformed = matrix.ptap(self.transformation)
+            transformed.setBlockSize(3)
+        if self.adds and self.transformation is not None:
             self.work[0].array_w[:] = stiffness
             transformed.setDiagonal(self.work[0], addv=ADD)
         positions = self.first + self.u.array_r.reshape(-1, 3)
@@ -97,6 +106,9 @@ class GapMultigrid:
             messages.setdefault(gap.owner, []).append(gap)
         rows = {rank: _rows(gaps) for rank, gaps in messages.items()}
         found = [*exchange.to("gaps", rows).values()]
+        if exchange.largest(float(len(found))) == 0:
+            self.transformation = None
+            return np.empty(0), np.empty(0, dtype=np.int64)
         first, last = matrix.getOwnershipRange()
         count, size = last - first, matrix.getSize()[0]
         gaps, stiffness = np.concatenate([[], *(of[0] for of in found)]).astype(np.int64), np.zeros(count)
@@ -113,6 +125,9 @@ class GapMultigrid:
 
     def apply(self, _: PETSc.PC, b: PETSc.Vec, x: PETSc.Vec) -> None:
         """T M⁻¹ Tᵀ b."""
+        if self.transformation is None:
+            self.inner.apply(b, x)
+            return
         one, other = self.work
         self.transformation.multTranspose(b, one)
         self.inner.apply(one, other)

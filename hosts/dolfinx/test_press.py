@@ -15,6 +15,7 @@ import diffuse_contact as dc
 
 HERE = Path(__file__).resolve().parent
 sys.path.insert(0, str(HERE))
+from contact import carriers_of  # noqa: E402
 from scene import facets_on, on_master, on_slave  # noqa: E402
 
 # One core may have to serve all ranks, which should not wait for one another at full speed; and a container's only
@@ -340,3 +341,16 @@ def test_a_rank_that_raises_ends_the_others():
     command = ["mpirun", "--oversubscribe", "-n", "2", sys.executable, "-m", "mpi4py", "-c", program]
     done = subprocess.run(command, env={**os.environ, **ENVIRONMENT}, capture_output=True, text=True, timeout=60)
     assert done.returncode != 0 and "on purpose" in done.stderr
+
+
+@pytest.mark.parametrize(
+    ("row", "nodes"),
+    [
+        ([-1.0], []),
+        ([2.0, 0.1, 5.0, -1.0, 0.3, 7.0, 0.0, 0.7], [5, 7]),
+        ([-2.0, 1.0, 9.0, -1.0, 1.0, 2.0, 0.1, 3.0, -1.0, 0.4, 4.0, -1.0, 0.6], [9, 3, 4]),
+    ],
+)
+def test_a_history_names_the_nodes_that_a_slave_sticks_to(row, nodes):
+    assert dc.split_history(row)[0].tolist() == row
+    assert carriers_of(np.array(row)).tolist() == nodes

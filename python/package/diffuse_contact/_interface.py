@@ -538,9 +538,9 @@ class ContactInterface(FrictionHistory):
         """K = −∂R/∂x as scipy compressed rows, shape (equations, equations), force per length.
 
         The pattern is the union over all paired slaves, whether they carry force or not: it stays the same until
-        ``refresh_pairing`` or ``follow`` changes the lists of nodes. The matrix is symmetric to the last bit, unless friction makes the exact one unsymmetric, and
-        indefinite in general for ``"exact"``. It shares its index arrays with ``pattern``, and they are read-only:
-        ``copy()`` it where its structure is to change.
+        ``refresh_pairing`` or ``follow`` changes the lists of nodes. The matrix is symmetric to the last bit, unless
+        friction makes the exact one unsymmetric, and indefinite in general for ``"exact"``. It shares its index
+        arrays with ``pattern``, and they are read-only: ``copy()`` it where its structure is to change.
 
         After ``evaluate("gradient")`` M of the slaves that carry force is evaluated some hundred at a time, added and
         forgotten. The numbers are those after ``evaluate("hessian")``, bit for bit, and the memory for all M is saved,

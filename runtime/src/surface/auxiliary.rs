@@ -179,6 +179,11 @@ impl Rungs<'_> {
         let is_inside = !self.creases.ends_at(facet, edge);
         let other = self.index.surface().across(facet)[edge];
         let beyond = if is_inside { self.same_edge(facet, other) } else { None };
+        // Both facets see the edge from the same side, so that rounding does not make it another one.
+        let (facet, edge, beyond) = match beyond {
+            Some((lower, there)) if lower < facet => (lower, there, Some((facet, edge))),
+            beyond => (facet, edge, beyond),
+        };
         let sides = [Some((facet, edge)), beyond].into_iter().flatten();
         let mut is_one = sides.clone().map(|(facet, edge)| self.is_shortest(facet, edge));
         if !is_one.clone().any(|is| is == Some(true)) {

@@ -405,7 +405,12 @@ def page(found):
         ],
         ["batch over CasADi's C", "≤ 1/4", f"1/{ns['CasADi'] / batch:.1f}", 4 * batch <= ns["CasADi"]],
         ["generate, compile and link after a change", "≤ 3 s", seconds(found["rebuild"]), found["rebuild"] <= 3],
-        ["hexahedron, eight points, batch, scaled to 29 multiply-adds a ns", "≤ 1.5 µs", duration(scaled), scaled <= 1500],
+        [
+            "hexahedron, eight points, batch, scaled to 29 multiply-adds a ns",
+            "≤ 1.5 µs",
+            duration(scaled),
+            scaled <= 1500,
+        ],
         [
             "its functions, all modes and instructions",
             "≤ 100 kB",

@@ -68,7 +68,7 @@ class Problem:
         self.held = held[held < self.residual.getLocalSize()]
         contact.held.array_w[self.held] = 1.0
         self.which = "gauss-newton"
-        #: The vector, and its state, at which contact was evaluated last, in mode "gradient".
+        #: Displacements at which F has evaluated contact last.
         self.evaluated_at = None
 
     def take_over(self, x: PETSc.Vec) -> None:
@@ -89,7 +89,7 @@ class Problem:
         b.axpy(-1.0, self.forces)
         self.which = self.adaptive_tangent(b)
         petsc.set_bc(b, self.conditions, x, -1.0)
-        self.evaluated_at = x.handle, x.stateGet()
+        self.evaluated_at = x.array_r.copy()
 
     def adaptive_tangent(self, b: PETSc.Vec) -> str:
         """The contact tangent at this residual, in which held equations have their reactions. The same on all ranks."""
@@ -112,7 +112,9 @@ class Problem:
         self.solids.assemble()
         if self.shell is None:
             mode = self.contact.mode_of_tangent
-            if mode != "gradient" or self.evaluated_at != (x.handle, x.stateGet()):
+            # A line search evaluates F in a vector of its own.
+            is_other = float(self.evaluated_at is None or not np.array_equal(self.evaluated_at, x.array_r))
+            if mode != "gradient" or self.contact.exchange.largest(is_other) > 0:
                 self.contact.evaluate(self.vector, mode)
         else:
             self.contact.linearise(self.vector, self.which)

@@ -199,7 +199,7 @@ impl<'g> Expr<'g> {
     #[must_use]
     pub fn at(self, values: &[(Self, Self)]) -> Self {
         let values = values_on(self.sheet, values);
-        self.map(|g, x| g.substitute_in_formula(x, &values))
+        self.map(|g, x| g.substitute_in_formulas(&[x], &values)[0])
     }
 
     /// Makes mixed second derivatives by these symbols one expression, whichever symbol comes first.
@@ -367,13 +367,7 @@ pub fn total<'g>(terms: impl IntoIterator<Item = impl Borrow<Expr<'g>>>) -> Expr
 pub fn all_at<'g>(exprs: &[Expr<'g>], values: &[(Expr<'g>, Expr<'g>)]) -> Vec<Expr<'g>> {
     let (sheet, exprs) = on_sheet(exprs);
     let values = values_on(sheet, values);
-    sheet.exprs(sheet.edit(|g| {
-        if g.has_quantities() {
-            exprs.iter().map(|&x| g.substitute_in_formula(x, &values)).collect()
-        } else {
-            g.substitute_all(&exprs, &values)
-        }
-    }))
+    sheet.exprs(sheet.edit(|g| g.substitute_in_formulas(&exprs, &values)))
 }
 
 fn values_on<'g>(sheet: &'g Sheet, values: &[(Expr<'g>, Expr<'g>)]) -> Vec<(SymbolId, ExprId)> {

@@ -24,22 +24,22 @@ impl Graph {
         exprs.iter().map(|&expr| self.substituted(expr, replacements, &mut done)).collect()
     }
 
-    /// `expr` with every listed symbol replaced as formulas have it: also in what they define, in whose place then stand formulas.
+    /// `exprs` with every listed symbol replaced as formulas have it: also in what they define, in whose place then stand formulas.
     ///
     /// # Panics
     /// If unknowns of equations change with a symbol that is replaced.
-    pub(crate) fn substitute_in_formula(
+    pub(crate) fn substitute_in_formulas(
         &mut self,
-        expr: ExprId,
+        exprs: &[ExprId],
         replacements: &[(SymbolId, ExprId)],
-    ) -> ExprId {
+    ) -> Vec<ExprId> {
         if !self.has_quantities() {
-            return self.substitute(expr, replacements);
+            return self.substitute_all(exprs, replacements);
         }
         let replaced: Vec<ExprId> =
             replacements.iter().map(|&(symbol, _)| self.intern(Op::Symbol(symbol))).collect();
         let mut all = replacements.to_vec();
-        let (mut open, mut definitions) = (vec![expr], BTreeMap::new());
+        let (mut open, mut definitions) = (exprs.to_vec(), BTreeMap::new());
         while let Some(x) = open.pop() {
             self.refuse_unknowns(x, &replaced);
             for &symbol in &replaced {
@@ -55,7 +55,7 @@ impl Graph {
             let definition = self.substitute(definition, &all);
             all.push((self.symbol_of(quantity), definition));
         }
-        self.substitute(expr, &all)
+        self.substitute_all(exprs, &all)
     }
 
     /// Refuses unknowns of equations that change with one of these symbols. Definitions are not entered.

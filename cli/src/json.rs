@@ -98,6 +98,8 @@ impl From<Frame> for FrameOutput {
 
 /// Reads a document, or says in one sentence where it departs from the schema. `file` names it in that sentence.
 pub fn parse<T: DeserializeOwned>(file: &str, text: &[u8]) -> Result<T, CliError> {
+    // The mark that some editors begin a file with.
+    let text = text.strip_prefix(b"\xef\xbb\xbf").unwrap_or(text);
     let mut deserializer = serde_json::Deserializer::from_slice(text);
     let mut track = serde_path_to_error::Track::new();
     let document = T::deserialize(serde_path_to_error::Deserializer::new(&mut deserializer, &mut track));

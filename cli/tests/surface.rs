@@ -293,6 +293,32 @@ fn a_master_that_faces_the_wrong_way_is_told() {
         .collect();
     let (deep, said) = surface(&turned);
     assert!(deep == 4 && said.contains("does the master face the wrong way?"), "{deep} {said}");
+    // Slaves without facets are compared with the master's.
+    let (deep, said) =
+        surface(&turned.replace("ELSET=SLAVE", "ELSET=OTHER").replace("NSET=NODES", "NSET=SLAVE"));
+    assert!(deep == 4 && said.contains("does the master face the wrong way?"), "{deep} {said}");
+}
+
+#[test]
+fn planes_of_symmetry_through_the_master_name_it() {
+    let scratch = Scratch::new("surface-cut");
+    let mesh = scratch.file("plane.inp", &plane().replace(", 0, 0\n", ", -1, 0\n"));
+    let output = scratch.path("out.vtu");
+    run(&["surface", &mesh, "-o", &output, "--master", "MASTER", "--slave", "SLAVE", "--symmetry", "y"])
+        .assert_refused(&["set \"MASTER\"", "from y = -1 to 4", "plane of symmetry y = 0"]);
+}
+
+#[test]
+fn names_of_other_kinds_of_files_are_refused() {
+    let scratch = Scratch::new("surface-name");
+    let mesh = scratch.file("plane.inp", &plane());
+    for name in ["out.svg", "out.STL", "out.json", "out.vtk"] {
+        let output = scratch.path(name);
+        run(&["surface", &mesh, "-o", &output, "--master", "MASTER", "--slave", "SLAVE"])
+            .assert_refused(&[name, "ends with .vtu"]);
+        run(&["demo", "-o", &output]).assert_refused(&[name, "ends with .vtu"]);
+    }
+    assert_eq!(scratch.names(), ["plane.inp"]);
 }
 
 #[test]

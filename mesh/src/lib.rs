@@ -45,7 +45,7 @@ pub mod vtu;
 
 pub use element::{Cell, Element, ElementKind, Facet};
 pub use error::{MeshError, Place, Problem};
-pub use mesh::{Mesh, UnreadElement};
+pub use mesh::{Mesh, UnreadConstraint, UnreadElement};
 pub use vtu::{VtuError, VtuFile};
 
 /// A mesh to try things with, the bytes of `meshes/plate_on_cylinder.msh` in this crate's folder: a plate (the set `slave`) close

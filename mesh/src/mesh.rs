@@ -30,6 +30,16 @@ pub struct Mesh {
     pub(crate) element_sets: BTreeMap<String, Vec<usize>>,
     pub(crate) surfaces: BTreeMap<String, Vec<Facet>>,
     pub(crate) unread: Unread,
+    pub(crate) constraints: Vec<UnreadConstraint>,
+}
+
+/// A keyword of an Abaqus file that ties nodes to one another: it is not in the mesh.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct UnreadConstraint {
+    /// Its name in upper case, as in `RIGID BODY`.
+    pub keyword: &'static str,
+    /// Its line in the file, from 1.
+    pub line: usize,
 }
 
 /// An element of a type that is not supported: it is not in the mesh.
@@ -70,6 +80,11 @@ impl Mesh {
     /// Elements of types that are not supported; whoever asks for a set that holds one gets an error.
     pub fn unread_elements(&self) -> &[UnreadElement] {
         &self.unread.elements
+    }
+
+    /// Constraints between nodes that an Abaqus file has, of the instance that is read and of the whole assembly: the mesh goes without them.
+    pub fn unread_constraints(&self) -> &[UnreadConstraint] {
+        &self.constraints
     }
 
     /// Sets of nodes by name, as node indices.

@@ -23,6 +23,12 @@ pub enum CliError {
         /// The file.
         path: PathBuf,
     },
+    /// A VTU file would have the name of another kind of file.
+    #[error("{}: the output is a VTU file, for ParaView; give it a name that ends with .vtu", path.display())]
+    NoGrid {
+        /// The file.
+        path: PathBuf,
+    },
     /// A page would replace another file.
     #[error("{}: is no page, and is not replaced by one; give another name for the output", path.display())]
     NoPage {

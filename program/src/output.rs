@@ -29,6 +29,17 @@ pub fn check_target(path: &Path) -> Result<(), CliError> {
     }
 }
 
+/// Refuses the name of another kind of file for a VTU file.
+pub fn check_grid(path: &Path) -> Result<(), CliError> {
+    const OTHERS: [&str; 13] =
+        ["svg", "png", "pdf", "html", "json", "csv", "txt", "vtk", "vtp", "stl", "inp", "msh", "toml"];
+    let extension = path.extension().unwrap_or_default().to_string_lossy().to_lowercase();
+    if OTHERS.contains(&extension.as_str()) {
+        return Err(CliError::NoGrid { path: path.into() });
+    }
+    Ok(())
+}
+
 /// Refuses to replace an input file by its results.
 pub fn check_distinct(input: &Path, output: &Path) -> Result<(), CliError> {
     match (fs::canonicalize(input), fs::canonicalize(output)) {

@@ -113,6 +113,7 @@ pub fn solve_text(
     let deck = Deck::parse_named(&text, deck_path)?;
     let base = deck_path.parent().unwrap_or(Path::new(""));
     let model = deck.model(base)?;
+    watcher.model(&model.warnings);
     let mut statics = statics(&deck, &model, options.threads)?;
     let recorded = RecorderOptions::new(&options.out, text).with_output(deck.output);
     if options.out.is_file() {

@@ -12,6 +12,7 @@ mod decks;
 mod element;
 mod examples;
 mod friction;
+mod joints;
 mod model;
 mod multigrid;
 mod output;

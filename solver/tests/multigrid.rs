@@ -187,12 +187,9 @@ impl Example {
         tolerance: f64,
     ) -> Result<(LinearReport, Vec<[f64; 3]>), SystemError> {
         let mut x = Vec::new();
-        let report = LinearSolver::new(choice, 1).solve(
-            &self.system(),
-            &self.rhs(),
-            Accuracy::fixed(tolerance),
-            &mut x,
-        )?;
+        let mut solver = LinearSolver::new(1);
+        solver.choose(choice, &self.links, &self.equations);
+        let report = solver.solve(&self.system(), &self.rhs(), Accuracy::fixed(tolerance), &mut x)?;
         Ok((report, x))
     }
 

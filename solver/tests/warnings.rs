@@ -60,10 +60,10 @@ increment = 0.25
 "#;
 
 /// A directory that is removed in the end.
-struct Scratch(PathBuf);
+pub(crate) struct Scratch(pub PathBuf);
 
 impl Scratch {
-    fn new(name: &str) -> Self {
+    pub fn new(name: &str) -> Self {
         let path = std::env::temp_dir().join(format!("diffuse-contact-{}-{name}", std::process::id()));
         fs::create_dir_all(&path).unwrap();
         Self(path)
@@ -78,7 +78,7 @@ impl Drop for Scratch {
 
 /// Notes how it begins, and may stop.
 #[derive(Default)]
-struct Notes {
+pub(crate) struct Notes {
     beginnings: Vec<Beginning>,
     stop_after: Option<usize>,
 }
@@ -99,7 +99,12 @@ impl Watcher for Notes {
     }
 }
 
-fn run(scratch: &Scratch, deck: &str, restart: bool, stop_after: Option<usize>) -> (Notes, Summary) {
+pub(crate) fn run(
+    scratch: &Scratch,
+    deck: &str,
+    restart: bool,
+    stop_after: Option<usize>,
+) -> (Notes, Summary) {
     let path = scratch.0.join("block.toml");
     fs::write(&path, deck).unwrap();
     let out = scratch.0.join("out");
@@ -170,6 +175,91 @@ increment = 0.25
     let (_, summary) = run(&scratch, deck, false, None);
     assert_eq!(summary.interfaces_without_force, ["ball on plate"], "{:?}", summary.contact_force);
     assert!(summary.warnings.iter().any(|warning| warning.contains("never carried force")));
+}
+
+/// A sheet between two planes. In series with it the springs of a soft penalty take a known part of the energy.
+#[test]
+fn a_penalty_that_gives_way_beside_the_bodies_is_told() {
+    let deck = |penalty: f64| {
+        format!(
+            r#"
+materials.steel = {{ young = 200000.0, poisson = 0.0 }}
+parts.sheet = {{ shape = "box", size = [4.0, 4.0, 0.5], divisions = [2, 2, 1], material = "steel" }}
+parts.floor = {{ shape = "rigid-plane", size = [6.0, 6.0], divisions = [2, 2], translate = [-1.0, -1.0, 0.0] }}
+
+[[boundary]]
+nodes = "floor"
+fix = ["x", "y", "z"]
+
+[[boundary]]
+nodes = "sheet.z+"
+translate = [0.0, 0.0, -0.001]
+
+[[interface]]
+name = "floor"
+master = "floor"
+slave = "sheet.z-"
+penalty = {penalty:?}
+areas = true
+
+[time]
+increment = 1.0
+"#
+        )
+    };
+    let scratch = Scratch::new("soft");
+    let (_, summary) = run(&scratch, &deck(1e6), false, None);
+    // h/E of the sheet is 2.5e-6, 1/penalty of the springs 1e-6.
+    let contact = summary.contacts["floor"];
+    assert!((contact.penalty_share - 1.0 / 3.5).abs() < 1e-3, "{}", contact.penalty_share);
+    assert!((contact.force[2] - contact.normal_force).abs() < 1e-9 * contact.normal_force, "{contact:?}");
+    assert!((contact.normal_force - 16.0 * 1e-3 / 3.5e-6).abs() < 0.01 * contact.normal_force, "{contact:?}");
+    assert!((contact.area - 16.0).abs() < 1e-12);
+    assert!(summary.warnings.iter().any(|warning| warning.contains("29 % of the elastic energy")));
+    let (_, summary) = run(&scratch, &deck(1e8), false, None);
+    assert!(summary.contacts["floor"].penalty_share < 0.01 && summary.warnings.is_empty());
+    let (_, summary) = run(&scratch, &deck(1e15), false, None);
+    assert!(
+        summary.warnings.len() == 1 && summary.warnings[0].contains("1.0e10 times as stiff"),
+        "{:?}",
+        summary.warnings
+    );
+    // Over nodes the corners of faces with 8 nodes would have to pull.
+    let curved = deck(1e8).replace("material =", "element = \"hex20\", material =");
+    let (_, summary) = run(&scratch, &curved, false, None);
+    assert!(summary.warnings.iter().any(|warning| warning.contains("4 faces of the slave have 8 nodes")));
+    let over_faces = curved.replace("areas = true", "integration = \"faces\"");
+    let (_, summary) = run(&scratch, &over_faces, false, None);
+    assert!(summary.warnings.is_empty(), "{:?}", summary.warnings);
+}
+
+/// Incompatible modes leave no more in the forces than other elements do.
+#[test]
+fn bodies_that_are_only_moved_converge_without_a_warning() {
+    for element in ["hex8", "hex8i", "tet10", "hex20"] {
+        let deck = format!(
+            r#"
+materials.steel = {{ young = 200000.0, poisson = 0.3 }}
+
+[parts.bar]
+shape = "box"
+size = [20.0, 4.0, 2.0]
+divisions = [40, 1, 2]
+element = "{element}"
+material = "steel"
+
+[[boundary]]
+nodes = "bar.x-"
+translate = [0.0, 0.0, -1.0]
+
+[time]
+increment = 0.25
+"#
+        );
+        let scratch = Scratch::new(&format!("moved-{element}"));
+        let (_, summary) = run(&scratch, &deck, false, None);
+        assert!(summary.warnings.is_empty() && summary.cutbacks == 0, "{element}: {:?}", summary.warnings);
+    }
 }
 
 /// The report shows each master once, in two passes both sides, and none where there is no contact.

@@ -31,12 +31,7 @@ impl DemoArguments {
     /// The picture to write: the one named, or else one beside the output. A device has none beside it.
     pub fn picture(&self) -> Option<PathBuf> {
         let is_device = self.output.metadata().is_ok_and(|found| !found.is_file());
-        let beside = || self.output.with_extension(if self.is_svg() { "picture.svg" } else { "svg" });
-        self.picture.clone().or_else(|| (!is_device).then(beside))
-    }
-
-    fn is_svg(&self) -> bool {
-        self.output.extension().is_some_and(|extension| extension == "svg")
+        self.picture.clone().or_else(|| (!is_device).then(|| self.output.with_extension("svg")))
     }
 }
 

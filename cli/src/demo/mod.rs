@@ -32,6 +32,7 @@ pub fn run(arguments: &DemoArguments) -> Result<(), CliError> {
             output::check_distinct(mesh, target)?;
         }
     }
+    output::check_grid(&arguments.output)?;
     if let Some(picture) = &picture {
         output::check_apart(&arguments.output, picture)?;
     }

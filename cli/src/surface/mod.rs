@@ -26,6 +26,7 @@ use slaves::Surfaces;
 pub fn run(arguments: &SurfaceArguments) -> Result<(), CliError> {
     output::check_target(&arguments.output)?;
     output::check_distinct(&arguments.mesh, &arguments.output)?;
+    output::check_grid(&arguments.output)?;
     let options = arguments.element.options()?;
     let sets = &arguments.sets;
     let planes = arguments.element.planes();

@@ -26,6 +26,8 @@ pub struct SlaveNode {
     pub masters: usize,
     /// Tributary area; 1 if the slave set has no facets.
     pub area: f64,
+    /// Size of its facets, length; of all facets of the master if the slave set has none.
+    pub size: f64,
 }
 
 /// All slave nodes, and how long it took.
@@ -54,7 +56,7 @@ pub struct Counts {
     pub contacts: usize,
     /// Of these: with a negative one.
     pub penetrating: usize,
-    /// Of these: deeper below the master than a tenth of their facets' size.
+    /// Of these: deeper below the master than a tenth of the facets' size.
     pub deep: usize,
     /// Smallest and largest gap, if there is any.
     pub gaps: Option<[f64; 2]>,
@@ -82,7 +84,7 @@ pub fn evaluate(
     let options = options.with_areas(surfaces.has_areas);
     let (slaves, facets) = (surfaces.slaves.clone(), &surfaces.slave_facets);
     let mut interface = ContactInterface::new(master, slaves, facets, positions, options).map_err(refused)?;
-    interface.set_symmetry(planes).map_err(refused)?;
+    interface.set_symmetry(planes).map_err(|error| surfaces.symmetry_error(sets, planes, error))?;
     let connect = start.elapsed();
 
     let start = Instant::now();
@@ -92,12 +94,14 @@ pub fn evaluate(
     let start = Instant::now();
     let bar = progress("slave nodes", surfaces.slaves.len());
     let mut nodes = Vec::with_capacity(surfaces.slaves.len());
+    let of_master = (!surfaces.has_areas).then(|| surfaces.master_size());
     let streamed = interface.for_each(Mode::Hessian, |contact| {
         nodes.push(SlaveNode {
             outcome: contact.outcome,
             point: contact.point,
             masters: contact.gradient.as_chunks::<3>().0.iter().skip(1).filter(|n| **n != [0.0; 3]).count(),
             area: contact.area,
+            size: of_master.unwrap_or_else(|| contact.area.sqrt()),
         });
         bar.inc(1);
     });
@@ -123,7 +127,7 @@ impl SlaveNodes {
         Counts {
             contacts: contacts().count(),
             penetrating: gaps().filter(|&gap| gap < 0.0).count(),
-            deep: contacts().filter(|node| node.point.gap < -DEEP * node.area.sqrt()).count(),
+            deep: contacts().filter(|node| node.point.gap < -DEEP * node.size).count(),
             gaps: gaps().min_by(f64::total_cmp).zip(gaps().max_by(f64::total_cmp)).map(Into::into),
             masters: masters().min().zip(masters().max()).map(Into::into),
             without,

@@ -38,7 +38,7 @@ pub struct Summary {
     slaves: usize,
     contacts: usize,
     penetrating: usize,
-    /// Slaves deeper below the master than a tenth of their facets' size.
+    /// Slaves deeper below the master than a tenth of the facets' size.
     deep: usize,
     smallest_gap: Option<f64>,
     largest_gap: Option<f64>,
@@ -56,8 +56,7 @@ impl Report<'_> {
             slaves: self.nodes.nodes.len(),
             contacts,
             penetrating,
-            // Without areas there are no sizes.
-            deep: if self.surfaces.has_areas { deep } else { 0 },
+            deep,
             smallest_gap: gaps.map(|[smallest, _]| smallest),
             largest_gap: gaps.map(|[_, largest]| largest),
             without,
@@ -114,9 +113,9 @@ impl fmt::Display for Report<'_> {
                 let [smallest, largest] = [smallest, largest].map(|gap| number(gap, 6));
                 row(f, "gap", &format!("{smallest} to {largest} {unit}"))?;
                 row(f, "penetrating", &counted(counts.penetrating, "slave node"))?;
-                if surfaces.has_areas && 2 * counts.deep > counts.contacts {
+                if 2 * counts.deep > counts.contacts {
                     let meaning =
-                        "deeper than a tenth of their facets' size: does the master face the wrong way?";
+                        "deeper than a tenth of the facets' size: does the master face the wrong way?";
                     row(f, "  warning", &format!("{} {meaning}", counted(counts.deep, "slave node")))?;
                 }
             }

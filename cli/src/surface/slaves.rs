@@ -1,7 +1,7 @@
 //! Master surface and slave nodes of a mesh, ready for an interface.
 
 use diffuse_contact::interface::InterfaceError;
-use diffuse_contact::surface::{Facet, SurfaceError};
+use diffuse_contact::surface::{Facet, SurfaceError, SymmetryPlane, tributary_areas};
 use diffuse_contact_mesh::{self as mesh, Mesh};
 
 use crate::contact_mesh::{ContactMesh, ContactMeshError, SetArguments};
@@ -47,6 +47,32 @@ impl Surfaces {
     /// What the master set is refused for.
     pub fn master_error(&self, set: &str, error: SurfaceError) -> CliError {
         self.error(set, self.surface_sentence(&self.master, error))
+    }
+
+    /// Root of the mean area of the master's facets, length.
+    pub fn master_size(&self) -> f64 {
+        let areas = tributary_areas(self.mesh.nodes(), &self.master);
+        let total: f64 = areas.unwrap_or_default().into_iter().sum();
+        (total / self.master.len().max(1) as f64).sqrt()
+    }
+
+    /// What the interface is refused for when its master gets these planes.
+    pub fn symmetry_error(
+        &self,
+        sets: &SetArguments,
+        planes: &[SymmetryPlane],
+        error: InterfaceError,
+    ) -> CliError {
+        let InterfaceError::Surface(error) = error else { return self.interface_error(sets, error) };
+        let SurfaceError::CutBySymmetry { plane, low, high } = error else {
+            return self.master_error(&sets.master, error);
+        };
+        let axis =
+            planes[plane].normal.iter().position(|&x| x != 0.0).map_or("?", |axis| ["x", "y", "z"][axis]);
+        let sentence = format!(
+            "the surface reaches from {axis} = {low} to {high}: with the plane of symmetry {axis} = 0 it has to lie on one side of it"
+        );
+        self.error(&sets.master, sentence)
     }
 
     /// What the interface is refused for.

@@ -2,6 +2,7 @@
 //!
 //! The file is flat, or has parts and an assembly of instances, of which one is read. Keywords that create or move nodes
 //! and are not supported are refused, and so is what is near to a keyword of a mesh; all others (materials, steps, ...) are skipped.
+//! Of constraints between nodes the mesh remembers that they were.
 //! Elements of a type that is not supported are left out, and sets that hold one remember it, as surfaces remember a face that is not.
 //! The format is described in the Abaqus manuals, "Input syntax rules" and the
 //! keyword reference.
@@ -15,8 +16,8 @@ use std::collections::{BTreeMap, HashMap};
 
 use crate::builder::Builder;
 use crate::element::{ElementKind, MOST_NODES};
-use crate::error::{Fault, Problem};
-use crate::mesh::{Mesh, Unread, UnreadElement};
+use crate::error::{Fault, Problem, line_after};
+use crate::mesh::{Mesh, Unread, UnreadConstraint, UnreadElement};
 use assembly::{Bystanders, Choice, Placement};
 use lines::{Data, Keyword, Lines};
 use sets::{Content, Found, Level, Member, Sets};
@@ -37,11 +38,12 @@ pub(crate) fn read(bytes: &[u8], instance: Option<&str>) -> Result<Mesh, Fault> 
         bystanders: Bystanders::default(),
         unread: Vec::new(),
         unread_index: HashMap::new(),
+        constraints: Vec::new(),
     };
     while let Some(keyword) = deck.lines.keyword()? {
         deck.read_block(keyword)?;
     }
-    deck.into_mesh()
+    deck.into_mesh(bytes)
 }
 
 /// The block of the file being read.
@@ -69,7 +71,24 @@ struct Deck<'a> {
     unread: Vec<UnreadElement>,
     /// Their places, by tag.
     unread_index: HashMap<u64, usize>,
+    /// Keywords of constraints, and where they are.
+    constraints: Vec<(&'static str, usize)>,
 }
+
+/// Keywords that tie nodes to one another, without their blanks and with them.
+const CONSTRAINTS: [(&str, &str); 11] = [
+    ("TIE", "TIE"),
+    ("EQUATION", "EQUATION"),
+    ("MPC", "MPC"),
+    ("RIGIDBODY", "RIGID BODY"),
+    ("COUPLING", "COUPLING"),
+    ("KINEMATICCOUPLING", "KINEMATIC COUPLING"),
+    ("DISTRIBUTINGCOUPLING", "DISTRIBUTING COUPLING"),
+    ("EMBEDDEDELEMENT", "EMBEDDED ELEMENT"),
+    ("SHELLTOSOLIDCOUPLING", "SHELL TO SOLID COUPLING"),
+    ("CYCLICSYMMETRYMODEL", "CYCLIC SYMMETRY MODEL"),
+    ("PRE-TENSIONSECTION", "PRE-TENSION SECTION"),
+];
 
 impl Deck<'_> {
     /// Reads a keyword's data lines, if they are of the mesh.
@@ -100,7 +119,10 @@ impl Deck<'_> {
             "IMPORT" | "SYMMETRICMODELGENERATION" => {
                 Err(refused(keyword, "write the nodes and elements of that model out"))
             }
-            _ => {
+            unspaced => {
+                if let Some(&(_, name)) = CONSTRAINTS.iter().find(|(known, _)| *known == unspaced) {
+                    self.constraints.push((name, keyword.at));
+                }
                 self.lines.skip_data();
                 Ok(())
             }
@@ -345,8 +367,10 @@ impl Deck<'_> {
         })
     }
 
-    fn into_mesh(self) -> Result<Mesh, Fault> {
+    fn into_mesh(self, bytes: &[u8]) -> Result<Mesh, Fault> {
         let Deck { builder, node_sets, element_sets, surfaces, choice, placement, .. } = self;
+        let constraint = |(keyword, at)| UnreadConstraint { keyword, line: line_after(&bytes[..at]) };
+        let constraints = self.constraints.into_iter().map(constraint).collect();
         let elements = builder.resolved_elements()?;
         let node = |tag| builder.node_index(tag).map_or(Found::Missing, Found::Index);
         let element = |tag| match builder.element_index(tag) {
@@ -384,7 +408,16 @@ impl Deck<'_> {
         let surfaces = surfaces.publish(facets.into_iter().map(|surface| surface.facets).collect(), &owner);
         let (mut nodes, node_tags) = builder.into_nodes();
         placement.apply(&mut nodes, &node_tags)?;
-        Ok(Mesh { nodes, node_tags, elements, node_sets: public_node_sets, element_sets, surfaces, unread })
+        Ok(Mesh {
+            nodes,
+            node_tags,
+            elements,
+            node_sets: public_node_sets,
+            element_sets,
+            surfaces,
+            unread,
+            constraints,
+        })
     }
 }
 

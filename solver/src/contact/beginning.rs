@@ -1,5 +1,7 @@
 //! How the slaves of an interaction lie before the first increment.
 
+use std::collections::HashSet;
+
 use diffuse_contact::Point;
 use diffuse_contact::interface::Outcome;
 use diffuse_contact_mesh::names::shown;
@@ -7,12 +9,15 @@ use serde::{Deserialize, Serialize};
 
 use super::proposal::{crossed_planes, idle_planes, symmetry_line};
 use super::tracks::all_behind;
-use super::{Fallbacks, Interaction};
+use super::{Fallbacks, Integration, Interaction};
 use crate::model::Model;
 use crate::statics::Problem;
 
 /// A slave that starts deeper below its master than this part of its facets' size is more than a mesh that does not quite fit.
 const DEEP: f64 = 0.1;
+
+/// A penalty so many times as stiff as the bodies' facets leaves them few digits: those of 1e16.
+const STIFF: f64 = 1e9;
 
 /// The slaves of an interaction at the last evaluation, which is that of the start.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -21,6 +26,9 @@ pub struct Beginning {
     pub interface: String,
     /// ε: force per length, or per length³ with areas and over faces.
     pub penalty: f64,
+    /// ε over the stiffness of the stiffest body's facets, E/h with areas and over faces, else E h.
+    #[serde(default)]
+    pub stiffness_ratio: f64,
     /// Slaves that were moved onto their masters, and the longest way, length; `None` if that was not asked for.
     pub adjusted: Option<(usize, f64)>,
     /// Slaves that were to be moved, too, but are free along the master alone.
@@ -45,6 +53,9 @@ pub struct Beginning {
     pub fallbacks: Fallbacks,
     /// Edge middles and centres of slave faces where they stay flat, as the slave's nodes carry no smooth surface.
     pub straight: usize,
+    /// Faces of a slave with 8 nodes, over nodes: their corners would have to pull.
+    #[serde(default)]
+    pub serendipity: usize,
     /// The line of the deck that names the planes of symmetry that the boundary conditions speak of, if the interface does not name all of
     /// them.
     #[serde(default)]
@@ -66,6 +77,31 @@ fn behind(interaction: &Interaction, positions: &[Point]) -> usize {
     let is_paired = outcomes.iter().any(|(_, outcome)| matches!(outcome, Outcome::Contact { .. }));
     let slaves: Vec<usize> = outcomes.into_iter().map(|(node, _)| node).collect();
     if is_paired { 0 } else { all_behind(&slaves, pass.master(), positions) }
+}
+
+/// ε over E/h, or over E h without areas.
+fn stiffness_ratio(interaction: &Interaction, model: &Model) -> f64 {
+    let options = interaction.options();
+    let young = model.bodies.iter().map(|body| body.material.young).fold(0.0, f64::max);
+    let is_over_area = options.interface.areas || options.integration != Integration::Nodes;
+    let size = interaction.facet_size();
+    let stiffness = if is_over_area { young / size } else { young * size };
+    // A slave without facets has no size.
+    if size > 0.0 { options.penalty / stiffness } else { 0.0 }
+}
+
+/// Faces with 8 nodes, all of them slaves that something moves.
+fn serendipity(interaction: &Interaction, model: &Model) -> usize {
+    if interaction.options().integration != Integration::Nodes {
+        return 0;
+    }
+    let slaves: HashSet<usize> =
+        interaction.slaves().filter(|slave| !slave.is_held).map(|slave| slave.node).collect();
+    let faces = model.quadratic_faces();
+    faces
+        .iter()
+        .filter(|face| face.nodes().len() == 8 && face.nodes().iter().all(|node| slaves.contains(node)))
+        .count()
 }
 
 /// The name of the first interaction before this one that presses the same two surfaces together.
@@ -93,6 +129,7 @@ impl Beginning {
         let ways: Vec<f64> = ways.filter(|&way| way > 0.0).collect();
         Self {
             penalty: interaction.options().penalty,
+            stiffness_ratio: stiffness_ratio(interaction, model),
             adjusted: interaction
                 .options()
                 .adjust
@@ -107,6 +144,7 @@ impl Beginning {
             repeats: repeated(interaction, problem),
             fallbacks: interaction.fallbacks(),
             straight: interaction.straight(),
+            serendipity: serendipity(interaction, model),
             symmetry: symmetry_line(interaction, problem, &model.deformable()),
             idle_planes: idle_planes(interaction, problem.start_positions()),
             crossed_planes: crossed_planes(interaction, problem.start_positions()),
@@ -136,6 +174,8 @@ impl Beginning {
             deep,
             fallbacks,
             straight,
+            serendipity,
+            stiffness_ratio,
             behind,
             repeats,
             idle_planes,
@@ -173,6 +213,18 @@ impl Beginning {
             straight,
             "edge middles or centres of the slave's faces are flat: its nodes carry no smooth surface of their own there",
         );
+        warn(
+            serendipity,
+            "faces of the slave have 8 nodes: under a pressure their corners would pull, so that forces over nodes are too low; \
+             integration = \"faces\" has them right",
+        );
+        if *stiffness_ratio > STIFF {
+            warnings.push(format!(
+                "interface `{}`: its penalty is {stiffness_ratio:.1e} times as stiff as facets of the bodies: the rounding of its forces is as \
+                 large as theirs; 1e3 times is stiff enough",
+                shown(interface)
+            ));
+        }
         let mut of_planes = |planes: &[String], what: &str| {
             let named = |plane: &String| {
                 format!(

@@ -173,9 +173,9 @@ pub enum Problem {
         /// Line of the other.
         other: usize,
     },
-    /// A side of an interface that is a set without facets.
+    /// A surface that is a set without facets.
     #[error(
-        "{name:?} is a set of {nodes} nodes and has no facets: the sides of an interface are surfaces, in `.inp` files those of \
+        "{name:?} is a set of {nodes} nodes and has no facets: name a surface, in `.inp` files one of \
          `*SURFACE, TYPE=ELEMENT`",
         name = shown(name)
     )]

@@ -12,6 +12,7 @@ use super::{Boundary, Deck, Interface, PartEntry, PartSource, Reference};
 use crate::distinct::distinct;
 use crate::model::{
     Amplitude, Conflict, Model, ModelError, Part, Support, Supports, read_rigid_part, read_solid_part,
+    shared_nodes,
 };
 
 const AXES: [&str; 3] = ["x", "y", "z"];
@@ -47,12 +48,18 @@ impl Deck {
     /// [`DeckError::Invalid`].
     pub fn model(&self, base: impl AsRef<Path>) -> Result<Model, DeckError> {
         let mut model = Model::default();
+        let mut from_files = Vec::new();
         for entry in &self.parts {
             let failed = |error| self.error(entry.line, Problem::Part { part: entry.name.clone(), error });
             let material = entry.material.as_ref().map(|name| self.material(name)).transpose()?;
-            let part = entry.part(base.as_ref()).map_err(|problem| self.error(entry.line, *problem))?;
+            let mut part = entry.part(base.as_ref()).map_err(|problem| self.error(entry.line, *problem))?;
+            if let PartSource::Solid { file, instance, .. } = &entry.source {
+                let nodes = std::mem::take(&mut part.node_labels);
+                from_files.push((entry.name.as_str(), (file, instance), nodes));
+            }
             model.add(&entry.name, part, material).map_err(failed)?;
         }
+        model.warnings.extend(shared_nodes(&from_files));
         if model.bodies.is_empty() {
             return Err(self.error(1, Problem::NothingDeformable));
         }

@@ -69,7 +69,17 @@ pub fn read_solid_part(
         elements.skin().into_iter().map(|facet| (sorted(facet.corners()), facet)).collect();
     let (surfaces, inner_facets) =
         part.surfaces(&mesh, |facet| outward.get(&sorted(facet.corners())).copied());
-    Ok(Part { elements, labels, surfaces, inner_facets, ..part.into_part(&mesh) })
+    let unread_constraints = mesh.unread_constraints().to_vec();
+    let node_labels = part.nodes.iter().map(|&node| mesh.node_tags()[node]).collect();
+    Ok(Part {
+        elements,
+        labels,
+        surfaces,
+        inner_facets,
+        unread_constraints,
+        node_labels,
+        ..part.into_part(&mesh)
+    })
 }
 
 /// A rigid part: the triangles and quadrilaterals of a surface or an element set, oriented as in the file, and of the file's
@@ -86,6 +96,7 @@ pub fn read_rigid_part(path: &Path, instance: Option<&str>, surface: &str) -> Re
         facets.iter().map(|&facet| (sorted(facet.corners()), facet)).collect();
     // Facets between its nodes that are none of its own belong to other surfaces.
     let (surfaces, _) = part.surfaces(&mesh, |facet| own.get(&sorted(facet.corners())).copied());
+    // A rigid part moves as one anyway.
     Ok(Part { facets, surfaces, ..part.into_part(&mesh) })
 }
 

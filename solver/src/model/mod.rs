@@ -11,6 +11,7 @@ mod cells;
 mod error;
 mod file;
 mod fingerprint;
+mod joints;
 mod motion;
 mod part;
 pub mod shape;
@@ -26,6 +27,7 @@ use crate::material::Material;
 pub use cells::{Cell, Cells};
 pub use error::{ModelError, ShapeError};
 pub use file::{read_rigid_part, read_solid_part};
+pub use joints::shared_nodes;
 pub use motion::{Amplitude, Motion, Rotation};
 pub use part::{MAX_NODES, Part};
 pub use supports::{Conflict, Support, Supports};
@@ -43,6 +45,8 @@ pub struct Model {
     pub surfaces: BTreeMap<String, Vec<Facet>>,
     /// Numbers of facets that a mesh file counts to a surface although they are not on its part's skin.
     pub inner_facets: BTreeMap<String, usize>,
+    /// Where nodes that a mesh file joins are not joined here, in sentences.
+    pub warnings: Vec<String>,
     /// The nodes that [`adjust`](Self::adjust) moved.
     pub adjusted: BTreeMap<usize, AdjustedNode>,
     /// By interface, how many of its slaves were to be adjusted but are free along its master alone.
@@ -97,6 +101,8 @@ impl Model {
             _ => {}
         }
 
+        self.warnings.extend(joints::unread_constraints(name, &part.unread_constraints));
+        self.warnings.extend(joints::seams(name, &part));
         let first = self.nodes.len();
         let whole = part.outside();
         self.node_sets.insert(name.into(), (first..count).collect());

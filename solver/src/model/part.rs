@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use diffuse_contact::surface::Facet;
-use diffuse_contact_mesh::ElementKind;
+use diffuse_contact_mesh::{ElementKind, UnreadConstraint};
 use nalgebra::Vector3;
 
 use super::cells::{Cell, Misfit};
@@ -33,6 +33,10 @@ pub struct Part {
     pub surfaces: BTreeMap<String, Vec<Facet>>,
     /// Numbers of facets that a mesh file counts to a surface although they are not on the part's skin.
     pub inner_facets: BTreeMap<String, usize>,
+    /// Constraints between nodes that the mesh file has: they are not kept.
+    pub unread_constraints: Vec<UnreadConstraint>,
+    /// The numbers of its nodes in the mesh file; none if there is no file or the part is rigid.
+    pub node_labels: Vec<u64>,
 }
 
 impl Part {

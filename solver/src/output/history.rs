@@ -9,13 +9,13 @@ use diffuse_contact_mesh::names::shown;
 
 use diffuse_contact::interface::FrictionReport;
 
-use super::{FrictionSummary, OutputError};
+use super::{ContactSummary, FrictionSummary, OutputError};
 use crate::contact::Interaction;
 use crate::distinct::distinct;
 use crate::statics::{IncrementRecord, IterationRecord, Problem};
 
 /// Columns of `history.csv` before those of interactions and supports.
-const COLUMNS: &str = "increment,time,length,iterations,augmentations,short,rounded,active,lost,missed,unanchored,supposed,stabilised,linear_iterations,direct_instead,max_penetration,wall_s";
+const COLUMNS: &str = "increment,time,length,iterations,augmentations,short,rounded,active,lost,missed,unanchored,supposed,stabilised,linear_iterations,direct_instead,max_penetration,strain_energy,wall_s";
 /// Columns of `iterations.csv`.
 pub(super) const ITERATION_COLUMNS: &str =
     "increment,iteration,time,residual,relative,excess,allowed,active,step";
@@ -78,7 +78,7 @@ pub(super) fn header(problem: &Problem) -> String {
         );
     }
     for name in &interfaces {
-        let _ = write!(line, ",contact_area:{name},contact_normal_force:{name}");
+        let _ = write!(line, ",contact_area:{name},contact_normal_force:{name},penalty_energy:{name}");
     }
     let mut vector = |what: &str, name: &str| {
         for axis in ["x", "y", "z"] {
@@ -97,7 +97,7 @@ pub(super) fn header(problem: &Problem) -> String {
 /// The line of an increment.
 pub(super) fn row(record: &IncrementRecord, problem: &Problem, wall_s: f64) -> String {
     let mut line = format!(
-        "{},{:?},{:?},{},{},{},{},{},{},{},{},{},{},{},{},{:?},{:?}",
+        "{},{:?},{:?},{},{},{},{},{},{},{},{},{},{},{},{},{:?},{:?},{:?}",
         record.number,
         record.time,
         record.length,
@@ -114,6 +114,7 @@ pub(super) fn row(record: &IncrementRecord, problem: &Problem, wall_s: f64) -> S
         record.linear.iterations,
         record.linear.direct_instead,
         record.max_penetration,
+        record.strain_energy,
         wall_s
     );
     let interactions = problem.contacts().interactions().iter();
@@ -123,7 +124,7 @@ pub(super) fn row(record: &IncrementRecord, problem: &Problem, wall_s: f64) -> S
         let _ = write!(line, ",{stuck},{sliding},{unanchored},{force:?},{dissipated:?}");
     }
     for contact in &record.contacts {
-        let _ = write!(line, ",{:?},{:?}", contact.area, contact.normal);
+        let _ = write!(line, ",{:?},{:?},{:?}", contact.area, contact.normal, contact.penalty_energy);
     }
     let mut vector = |values: [f64; 3]| {
         for value in values {
@@ -150,16 +151,46 @@ fn with_friction<'a>(
     all.filter(|(interaction, _)| interaction.options().friction.is_some())
 }
 
+/// A residual above this part of the forces is as large as they are.
+const UNLOADED: f64 = 1e-2;
+
 /// Increments that ended with a residual above what the tolerances allow in any of them, which rounding of the positions explains.
 pub(super) fn rounded(history: &History, iterations: &History) -> usize {
     let of = |row: &HistoryRow, column: &str| iterations.value(row, column);
     let allowed = iterations.rows.iter().map(|row| of(row, "allowed")).fold(0.0, f64::max);
     // The last line of an increment is the one that counts.
-    let residuals: BTreeMap<usize, f64> =
-        iterations.rows.iter().map(|row| (row.increment, of(row, "residual"))).collect();
+    let residuals: BTreeMap<usize, [f64; 2]> = iterations
+        .rows
+        .iter()
+        .map(|row| (row.increment, ["residual", "relative"].map(|x| of(row, x))))
+        .collect();
     let is_rounded = |row: &&HistoryRow| history.value(row, "rounded") > 0.0;
-    let above = |row: &&HistoryRow| residuals.get(&row.increment).is_some_and(|&residual| residual > allowed);
+    // Where the residual is as large as the forces there is no load.
+    let above = |row: &&HistoryRow| {
+        residuals
+            .get(&row.increment)
+            .is_some_and(|&[residual, relative]| residual > allowed && relative < UNLOADED)
+    };
     history.rows.iter().filter(is_rounded).filter(above).count()
+}
+
+/// Contact at the end of the last line.
+pub(super) fn last_contacts(history: &History, problem: &Problem) -> BTreeMap<String, ContactSummary> {
+    let columns = interface_columns(problem);
+    let last = |column: &str| history.rows.last().map_or(0.0, |row| history.value(row, column));
+    let springs = |column: &String| last(&format!("penalty_energy:{column}"));
+    let strain = last("strain_energy");
+    let all = strain + columns.iter().map(springs).sum::<f64>();
+    let of = |(interaction, column): (&Interaction, &String)| {
+        let summary = ContactSummary {
+            force: ["x", "y", "z"].map(|axis| last(&format!("contact_force_{axis}:{column}"))),
+            normal_force: last(&format!("contact_normal_force:{column}")),
+            area: last(&format!("contact_area:{column}")),
+            penalty_share: if strain > 0.0 { springs(column) / all } else { 0.0 },
+        };
+        (interaction.options().name.clone(), summary)
+    };
+    problem.contacts().interactions().iter().zip(&columns).map(of).collect()
 }
 
 /// Friction at the end of the last line, of each interaction that has any.

@@ -43,7 +43,7 @@ pub use history::{History, HistoryRow, read_history};
 pub use recorder::{Recorder, RecorderOptions, SKIN, Watcher};
 pub use saved::Saved;
 pub use skin::{Skin, SkinFrame};
-pub use summary::{FrictionSummary, PartSummary, Summary};
+pub use summary::{ContactSummary, FrictionSummary, PartSummary, Summary};
 
 /// Reads a document of a directory of results.
 pub(crate) fn read_json<T: for<'a> Deserialize<'a>>(path: &Path) -> Result<T, OutputError> {

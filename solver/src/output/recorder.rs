@@ -57,6 +57,10 @@ impl RecorderOptions {
 
 /// Someone who watches a run and may stop it.
 pub trait Watcher: Send {
+    /// Where nodes that a mesh file joins are not joined in the model, in sentences.
+    fn model(&mut self, warnings: &[String]) {
+        let _ = warnings;
+    }
     /// How the slaves of each interface lie at the start; not told again of a run that goes on.
     fn start(&mut self, interfaces: &[Beginning]) {
         let _ = interfaces;
@@ -298,13 +302,15 @@ impl<'a> Recorder<'a> {
         summary.interfaces_vanished.clone_from(&self.vanished);
         summary.interfaces.clone_from(&self.beginnings);
         let history = super::read_history(&self.directory.path(names::HISTORY))?;
+        summary.contacts = history::last_contacts(&history, problem);
         summary.friction = history::last_friction(&history, problem);
         let iterations = super::read_history(&self.directory.path(names::ITERATIONS))?;
         summary.increments_rounded = history::rounded(&history, &iterations);
         summary.fallbacks.clone_from(&self.fallbacks);
         summary.penetrations.clone_from(&self.penetrations);
         let at_start = self.beginnings.iter().flat_map(Beginning::warnings);
-        summary.warnings = at_start.chain(summary.shortcomings()).collect();
+        let of_model = self.model.warnings.iter().cloned();
+        summary.warnings = of_model.chain(at_start).chain(summary.shortcomings()).collect();
         summary.linear_bytes = self.linear_bytes;
         summary.contact_share = share(self.timing.contact);
         summary.pairing_share = share(self.timing.pairing);

@@ -11,6 +11,9 @@ use crate::material::Material;
 use crate::model::Model;
 use crate::statics::{Effort, ShownTime};
 
+/// Above this part of the elastic energy in its springs a penalty is worth a warning.
+const SOFT: f64 = 0.05;
+
 /// `summary.json`.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Summary {
@@ -89,6 +92,9 @@ pub struct Summary {
     pub max_penetration_ever: f64,
     /// Sum of the contact forces on the slaves of all interactions at the end.
     pub contact_force: [f64; 3],
+    /// Each interface at the end.
+    #[serde(default)]
+    pub contacts: BTreeMap<String, ContactSummary>,
     /// Friction at the end, of each interface that has any.
     #[serde(default)]
     pub friction: BTreeMap<String, FrictionSummary>,
@@ -104,6 +110,20 @@ pub struct Summary {
     pub element: String,
     /// Nodes, elements.
     pub size: [usize; 2],
+}
+
+/// An interface at the end of a run.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct ContactSummary {
+    /// Sum of the contact forces on its slaves.
+    pub force: [f64; 3],
+    /// Sum of the moduli of the normal forces.
+    pub normal_force: f64,
+    /// Area of the slave that carries force.
+    pub area: f64,
+    /// What the springs of its penalty store, over that and the elastic energy of all bodies, 0 to 1. About as much softer than the bodies
+    /// alone is the whole.
+    pub penalty_share: f64,
 }
 
 /// Friction of an interface at the end of a run.
@@ -174,6 +194,25 @@ impl Summary {
         })
     }
 
+    /// Interfaces whose penalty gives way beside the bodies, in sentences.
+    fn soft_interfaces(&self) -> impl Iterator<Item = String> {
+        let has_force = |name: &&String| !self.interfaces_without_force.contains(name);
+        let soft = self
+            .contacts
+            .iter()
+            .filter(move |(name, contact)| has_force(name) && contact.penalty_share > SOFT);
+        soft.map(|(name, contact)| {
+            let penalty = self.interfaces.iter().find(|start| start.interface == *name);
+            format!(
+                "interface `{}`: {:.0} % of the elastic energy is in the springs of its penalty{}: forces are too low by about that; a stiffer \
+                 one, or method = \"augmented-lagrangian\", takes less",
+                shown(name),
+                100.0 * contact.penalty_share,
+                penalty.map_or_else(String::new, |start| format!(" {:.3e}", start.penalty)),
+            )
+        })
+    }
+
     /// What went wrong on the way, in sentences.
     #[must_use]
     pub fn shortcomings(&self) -> Vec<String> {
@@ -201,7 +240,9 @@ impl Summary {
             ),
             (
                 self.points_missed,
-                "points of loaded faces carried no force: their line of force met no place of the facet over them".to_owned(),
+                "points of loaded faces carried no force, over all increments: their line of force met no place of the facet over them, so that the \
+                 pressure of these faces is too low"
+                    .to_owned(),
             ),
             (
                 self.slaves_unanchored,
@@ -218,7 +259,11 @@ impl Summary {
         ];
         let counted = counted.into_iter().filter(|&(count, _)| count > 0);
         let idle = self.interfaces_without_force.iter().map(|interface| {
-            format!("the interface `{}` never carried force at the end of an increment", shown(interface))
+            format!(
+                "the interface `{}` never carried force at the end of an increment: is it out of reach, does its master face the wrong \
+                 way, is a set the wrong one, or the penalty far too low?",
+                shown(interface)
+            )
         });
         let vanished = self.interfaces_vanished.iter().map(|(interface, time)| {
             format!(
@@ -229,7 +274,8 @@ impl Summary {
             )
         });
         let counted = counted.map(|(count, what)| format!("{count} {what}"));
-        counted.chain(idle).chain(vanished).chain(self.deep_slaves()).chain(self.new_fallbacks()).collect()
+        let contacts = self.deep_slaves().chain(self.soft_interfaces());
+        counted.chain(idle).chain(vanished).chain(contacts).chain(self.new_fallbacks()).collect()
     }
 }
 

@@ -164,6 +164,10 @@ struct Progress {
 }
 
 impl Watcher for Progress {
+    fn model(&mut self, warnings: &[String]) {
+        warnings.iter().for_each(|warning| say(&format!("warning: {warning}")));
+    }
+
     fn start(&mut self, interfaces: &[Beginning]) {
         for beginning in interfaces {
             let Beginning { interface, penalty, adjusted, slaves, paired, overlap, .. } = beginning;

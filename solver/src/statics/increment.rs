@@ -426,6 +426,8 @@ impl<'a> Increment<'a> {
         let way = Way { from: &committed.positions, to: &state.positions };
         let named = |(interface, slaves): (&str, usize)| (interface.to_owned(), slaves);
         let imbalance: Vec<f64> = problem.imbalance().collect();
+        let strain_energy =
+            problem.solid().stored_energy(&state.positions, &committed.points).map_err(Failure::of_solid)?;
         let groups = 0..problem.supports().groups().len();
         let record = IncrementRecord {
             number: state.increments,
@@ -446,6 +448,7 @@ impl<'a> Increment<'a> {
             stabilised: problem.stabilised,
             linear: problem.linear,
             max_penetration: problem.contacts().max_penetration(),
+            strain_energy,
             contacts: problem.contacts().resultants(&state.positions),
             friction,
             reactions: groups.map(|group| problem.supports().sum(group, &imbalance)).collect(),

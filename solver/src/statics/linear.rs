@@ -168,7 +168,7 @@ impl Problem {
         }
         let solid = Instant::now();
         self.timing.solid += solid - linear;
-        let is_iterative = self.solver.is_iterative(&self.equations);
+        let is_iterative = self.solver.is_iterative();
         let before = matrix.rows_of(if is_iterative { &self.coupled } else { &[] });
         let norms = [self.balance.residual, self.balance.scale];
         let of_contact = self.contacts.add_tangent(&mut matrix, norms, tangent)?;
@@ -203,11 +203,7 @@ impl Problem {
             *right = -force - *right;
         }
         let mut solution = Vec::new();
-        let links = match &mut self.links {
-            Some(links) => links,
-            none => none.insert(BlockPattern::new(self.start.len(), self.solid.elements())),
-        };
-        let geometry = Geometry { positions, links, before: &system.before };
+        let geometry = Geometry { positions, links: &self.links, before: &system.before };
         let Assembled { matrix, symmetry, .. } = system;
         let operator = system.operator.as_ref().map(|operator| operator as &dyn Operator);
         let (equations, symmetry) = (&self.equations, *symmetry);

@@ -130,6 +130,8 @@ pub struct IncrementRecord {
     pub stabilised: usize,
     /// Deepest penetration, length.
     pub max_penetration: f64,
+    /// Elastic energy of the bodies.
+    pub strain_energy: f64,
     /// What each interaction exerts on its slaves.
     pub contacts: Vec<Resultant>,
     /// What friction did in each interaction that has any.

@@ -93,8 +93,8 @@ pub struct Problem {
     pub(super) linear: LinearEffort,
     /// The size of the last right-hand side, if its solution was iterative.
     pub(super) size: Option<f64>,
-    /// Pairs of nodes that share an element, once they were asked for.
-    pub(super) links: Option<BlockPattern>,
+    /// Pairs of nodes that share an element.
+    pub(super) links: BlockPattern,
     /// `None`: the pairing has changed, a new pattern is due.
     pub(super) stiffness: Option<BlockMatrix>,
     /// Nodes that contact couples by the pattern of the stiffness, ascending.
@@ -139,6 +139,7 @@ impl Problem {
         let is_held: Vec<bool> = prescribed.iter().map(|axes| axes.iter().all(|&axis| axis)).collect();
         contacts.hold(&is_held);
         let equations = Equations::new(&prescribed);
+        let links = BlockPattern::new(start.len(), solid.elements());
         Self {
             start,
             solid,
@@ -161,9 +162,9 @@ impl Problem {
             stabilised: 0,
             stabilisation: 0.0,
             equations,
-            solver: LinearSolver::new(LinearSolverChoice::default(), threads),
+            solver: LinearSolver::new(threads),
             linear: LinearEffort::default(),
-            links: None,
+            links,
             size: None,
             stiffness: None,
             coupled: Vec::new(),
@@ -282,12 +283,12 @@ impl Problem {
 
     /// From here on linear systems are solved so.
     pub(super) fn choose(&mut self, choice: LinearSolverChoice) {
-        self.solver.choose(choice);
+        self.solver.choose(choice, &self.links, &self.equations);
     }
 
     /// From here on the tangent of contact is an operator, and linear systems are solved iteratively.
     pub(super) fn operate(&mut self) -> Result<(), ContactError> {
-        self.solver.choose(LinearSolverChoice::Iterative);
+        self.choose(LinearSolverChoice::Iterative);
         self.contacts.operate()
     }
 

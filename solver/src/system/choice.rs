@@ -1,20 +1,23 @@
 //! Which solver takes a system.
 
+use super::work::multiplications;
 use super::{
-    Accuracy, BlockMatrix, DirectSolver, Equations, Geometry, IterativeReport, Operator, Symmetry,
-    SystemError, solve_iteratively,
+    Accuracy, BlockMatrix, BlockPattern, DirectSolver, Equations, Geometry, IterativeReport, Operator,
+    Symmetry, SystemError, solve_iteratively,
 };
 
-/// From so many equations on the choice by size is iterative: of solids with edges of like length the factors are the slower way by then.
-const ITERATIVE_FROM: usize = 20_000;
+/// Below so many equations factors take milliseconds, however many they are.
+const FACTORS_BELOW: usize = 3_000;
+/// Up to so many multiplications for an entry of the matrix factors are the quicker way: docs/solver.md.
+const MULTIPLICATIONS: f64 = 800.0;
 /// Up to so many equations a system that was not solved iteratively is solved directly: its factors fit into a few gigabytes.
 const DIRECT_UP_TO: usize = 250_000;
 
 /// What a deck asks for.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum LinearSolverChoice {
-    /// By the number of equations; factors for a matrix with friction as long as they fit into a few gigabytes. What the factors of do not
-    /// fit into memory is solved iteratively.
+    /// By the work that the factors take; factors for a matrix with friction as long as they fit into a few gigabytes. What the factors of
+    /// do not fit into memory is solved iteratively.
     #[default]
     Auto,
     /// Sparse factors, exact to rounding: their memory grows faster than the number of equations.
@@ -82,32 +85,40 @@ pub enum LinearReport {
 #[derive(Default)]
 pub struct LinearSolver {
     choice: LinearSolverChoice,
+    /// Whether iterations are quicker than the factors of a symmetric matrix.
+    is_quicker_iteratively: bool,
     direct: DirectSolver,
     /// Whether factors were too large for the machine where there is another way: they are not tried again.
     is_too_large: bool,
 }
 
 impl LinearSolver {
-    /// `threads`: those of factorisations; products use those of the current rayon pool.
+    /// By factors. `threads`: those of factorisations; products use those of the current rayon pool.
     #[must_use]
-    pub fn new(choice: LinearSolverChoice, threads: usize) -> Self {
-        Self { choice, direct: DirectSolver::new(threads), is_too_large: false }
+    pub fn new(threads: usize) -> Self {
+        Self { choice: LinearSolverChoice::Direct, direct: DirectSolver::new(threads), ..Self::default() }
     }
 
-    /// Takes another choice.
-    pub fn choose(&mut self, choice: LinearSolverChoice) {
+    /// Takes a choice, for systems with these equations. `links` are the pairs of nodes that elements join: contacts that come and go are to
+    /// make no difference.
+    pub fn choose(&mut self, choice: LinearSolverChoice, links: &BlockPattern, equations: &Equations) {
         (self.choice, self.is_too_large) = (choice, false);
+        self.is_quicker_iteratively = choice == LinearSolverChoice::Auto
+            && match equations.len() {
+                0..FACTORS_BELOW => false,
+                FACTORS_BELOW..=DIRECT_UP_TO => {
+                    let entries = 9.0 * links.blocks() as f64;
+                    multiplications(links, equations) > MULTIPLICATIONS * entries
+                }
+                _ => true,
+            };
     }
 
-    /// Whether systems of so many equations without friction are solved iteratively.
+    /// Whether systems without friction are solved iteratively.
     #[must_use]
-    pub fn is_iterative(&self, equations: &Equations) -> bool {
-        self.takes_iterations(equations.len())
-    }
-
-    fn takes_iterations(&self, equations: usize) -> bool {
+    pub fn is_iterative(&self) -> bool {
         match self.choice {
-            LinearSolverChoice::Auto => equations >= ITERATIVE_FROM || self.is_too_large,
+            LinearSolverChoice::Auto => self.is_quicker_iteratively || self.is_too_large,
             LinearSolverChoice::Direct => false,
             LinearSolverChoice::Iterative => true,
         }
@@ -170,7 +181,7 @@ impl LinearSolver {
     fn takes_factors(&self, equations: usize, may_stand_still: bool) -> bool {
         let is_better =
             self.choice == LinearSolverChoice::Auto && may_stand_still && equations <= DIRECT_UP_TO;
-        !self.is_too_large && is_better || !self.takes_iterations(equations)
+        !self.is_too_large && is_better || !self.is_iterative()
     }
 
     fn solve_directly(
@@ -188,20 +199,51 @@ impl LinearSolver {
 mod tests {
     use super::*;
 
+    /// Hexahedra in a box whose face x = 0 is held, so many along each axis.
+    fn boxed(cells: [usize; 3]) -> (BlockPattern, Equations) {
+        let [x, y, z] = cells.map(|count| count + 1);
+        let node = |i: usize, j: usize, k: usize| i + x * (j + y * k);
+        let mut cliques = Vec::new();
+        for cell in 0..cells.iter().product() {
+            let [i, j, k] = [cell % cells[0], cell / cells[0] % cells[1], cell / (cells[0] * cells[1])];
+            cliques.push((0..8).map(|c| node(i + c % 2, j + c / 2 % 2, k + c / 4)).collect::<Vec<_>>());
+        }
+        let held: Vec<[bool; 3]> = (0..x * y * z).map(|node| [node % x == 0; 3]).collect();
+        (BlockPattern::new(x * y * z, cliques.iter()), Equations::new(&held))
+    }
+
+    fn chosen(choice: LinearSolverChoice, cells: [usize; 3]) -> LinearSolver {
+        let (links, equations) = boxed(cells);
+        let mut solver = LinearSolver::new(1);
+        solver.choose(choice, &links, &equations);
+        solver
+    }
+
+    /// A cube of 9,180 equations has costly factors, a bar of 22,500 has not.
+    #[test]
+    fn bodies_with_cheap_factors_are_solved_with_them() {
+        assert!(!chosen(LinearSolverChoice::Auto, [9, 9, 9]).is_iterative());
+        assert!(chosen(LinearSolverChoice::Auto, [15, 16, 16]).is_iterative());
+        assert!(!chosen(LinearSolverChoice::Auto, [300, 4, 4]).is_iterative());
+        assert!(!chosen(LinearSolverChoice::Direct, [15, 16, 16]).is_iterative());
+        assert!(chosen(LinearSolverChoice::Iterative, [2, 2, 2]).is_iterative());
+    }
+
     /// Factors of 144,000 equations take gigabytes and minutes: only friction, where iterations may be in vain, is worth them.
     #[test]
     fn factors_of_large_systems_are_for_friction_alone() {
-        let mut solver = LinearSolver::new(LinearSolverChoice::Auto, 1);
-        let found = [10_000, 144_000, 300_000].map(|equations| {
-            [false, true].map(|may_stand_still| solver.takes_factors(equations, may_stand_still))
-        });
-        assert_eq!(found, [[true, true], [false, true], [false, false]]);
+        let mut solver = chosen(LinearSolverChoice::Auto, [15, 16, 16]);
+        let takes_factors = |solver: &LinearSolver, equations| {
+            [false, true].map(|friction| solver.takes_factors(equations, friction))
+        };
+        assert_eq!(takes_factors(&solver, 144_000), [false, true]);
+        assert_eq!(takes_factors(&solver, 300_000), [false, false]);
         solver.is_too_large = true;
-        assert!([10_000, 144_000].iter().all(|&equations| !solver.takes_factors(equations, true)));
+        assert_eq!(takes_factors(&solver, 10_000), [false, false]);
         // Who asks for factors gets them, or is told.
-        solver.choose(LinearSolverChoice::Direct);
-        assert!(solver.takes_factors(300_000, false));
-        solver.choose(LinearSolverChoice::Iterative);
-        assert!(!solver.takes_factors(10_000, true));
+        let solver = chosen(LinearSolverChoice::Direct, [2, 2, 2]);
+        assert_eq!(takes_factors(&solver, 300_000), [true, true]);
+        let solver = chosen(LinearSolverChoice::Iterative, [2, 2, 2]);
+        assert_eq!(takes_factors(&solver, 10_000), [false, false]);
     }
 }

@@ -18,6 +18,7 @@ mod pattern;
 mod preconditioner;
 mod solver;
 mod stiff;
+mod work;
 
 pub use choice::{LinearReport, LinearSolver, LinearSolverChoice, LinearSystem};
 use condition::irregular;

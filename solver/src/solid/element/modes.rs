@@ -80,11 +80,15 @@ impl<const N: usize, const P: usize, const Q: usize, const W: usize, const I: us
         let (mut forces, mut stiffness) = self.on_modes(step, &corners, scratch)?;
         for _ in 0..MOST_STEPS {
             let size = forces.norm();
-            if size <= ROUNDING * unit {
+            if size == 0.0 {
                 return Ok(corners);
             }
             let factor = stiffness.cholesky().ok_or_else(|| unstable(step.index))?;
             let full = -factor.solve(&forces);
+            if size <= ROUNDING * unit {
+                // What is left goes into the nodes' forces: the last step takes it.
+                return Ok(moved(&corners, &full));
+            }
             let found = (0..MOST_HALVINGS).find_map(|halvings| {
                 let moved = moved(&corners, &(full * 0.5_f64.powi(halvings as i32)));
                 let (forces, stiffness) = self.on_modes(step, &moved, scratch).ok()?;

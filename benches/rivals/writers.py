@@ -1,29 +1,39 @@
 #!/usr/bin/env python3
-"""How long wrenfold takes to write the surface's derivatives for few nodes, with the function of `model.py`.
+"""How long wrenfold and SymPy take to write the surface's derivatives for few nodes, with the function of `model.py`.
 
-    benches/rivals/wrenfold_rival.py [NODES]        6 unless said otherwise
+    benches/rivals/writers.py [NODES]               6 unless said otherwise
+
+SymPy's derivatives do not end: it is asked for more of them, one after the other, for `LIMIT` seconds.
 """
 
+import itertools
+import multiprocessing
 import re
 import sys
 import time
 import typing
 
+import sympy as sp
 import wrenfold as wf
 from wrenfold import sym
 
 import model
 
+# Seconds for SymPy.
+LIMIT = 600
 
-def surface(inputs, nodes):
+
+def surface(inputs, nodes, one, root):
     """f at a point, in a frame that is held, lengths over R; inputs are slave and nodes, then the point."""
     variables = [inputs[k] for k in range(3 * (nodes + 1))]
     offsets = [[variables[3 * (k + 1) + axis] - variables[axis] for k in range(nodes)] for axis in range(3)]
     # Nodes are terms of a sum that is written out.
     a, b, z = (Column(entries) for entries in offsets)
-    alpha = model.coefficients(a, b, z, lambda terms: sum(terms.entries[1:], terms.entries[0]), Column.sqrt)
+    alpha = model.coefficients(
+        a, b, z, lambda terms: sum(terms.entries[1:], terms.entries[0]), lambda column: column.mapped(root)
+    )
     point = [inputs[3 * (nodes + 1) + k] for k in range(2)]
-    return variables, model.surface(alpha, sym.integer(1), point)
+    return variables, model.surface(alpha, one, point)
 
 
 class Column:
@@ -50,17 +60,17 @@ class Column:
 
     __radd__, __rmul__ = __add__, __mul__
 
-    def sqrt(self):
-        """Their roots."""
-        return Column(sym.sqrt(x) for x in self.entries)
+    def mapped(self, function):
+        """The function of each of them."""
+        return Column(map(function, self.entries))
 
 
-def timed(nodes, with_hessian):
+def with_wrenfold(nodes, with_hessian):
     """Seconds to describe and to write the function, and its operations."""
     length = 3 * (nodes + 1) + 2
 
     def rival(inputs: typing.Annotated[sym.MatrixExpr, wf.Shape(rows=length, cols=1)]):
-        variables, f = surface(inputs, nodes)
+        variables, f = surface(inputs, nodes, sym.integer(1), sym.sqrt)
         gradient = sym.jacobian([f], variables).to_flat_list()
         outputs = [f, *gradient]
         if with_hessian:
@@ -76,12 +86,31 @@ def timed(nodes, with_hessian):
     return described - start, time.perf_counter() - described, operations
 
 
+def with_sympy(nodes, done):
+    """Writes f, then its derivatives by more and more coordinates; `done` has how many derivatives are written."""
+    inputs = sp.symbols(f"x0:{3 * (nodes + 1) + 2}")
+    variables, f = surface(inputs, nodes, sp.Integer(1), sp.sqrt)
+    for count in itertools.count():
+        sp.cse([f, *(sp.diff(f, x) for x in variables[:count])], optimizations=[], order="none")
+        done.value = count
+        if count == len(variables):
+            return
+
+
 def main():
     nodes = int(sys.argv[1]) if len(sys.argv) > 1 else 6
     for name, with_hessian in (("f, gradient", False), ("f, gradient, Hessian", True)):
-        described, written, operations = timed(nodes, with_hessian)
+        described, written, operations = with_wrenfold(nodes, with_hessian)
         seconds = f"{described:.1f} s, written in {written:.1f} s"
-        print(f"n = {nodes}, {name}: {seconds}, {operations} operations", flush=True)
+        print(f"wrenfold, n = {nodes}, {name}: {seconds}, {operations} operations", flush=True)
+    done = multiprocessing.Value("i", -1)
+    process = multiprocessing.Process(target=with_sympy, args=(nodes, done))
+    start = time.perf_counter()
+    process.start()
+    process.join(LIMIT)
+    seconds = time.perf_counter() - start
+    print(f"SymPy, n = {nodes}: {done.value} of {3 * (nodes + 1)} first derivatives after {seconds:.0f} s", flush=True)
+    process.kill()
 
 
 if __name__ == "__main__":

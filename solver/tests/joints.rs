@@ -1,0 +1,73 @@
+//! What a mesh file joins and a model does not is told.
+
+use std::fs;
+
+use crate::warnings::{Scratch, run};
+
+/// Two cubes, one on the other: joined by their nodes, or with nodes of their own.
+fn cubes(is_joined: bool, more: &str) -> String {
+    let (seam, upper) = if is_joined {
+        ("", "5, 6, 7, 8")
+    } else {
+        ("11, 0, 0, 1\n12, 1, 0, 1\n13, 1, 1, 1\n14, 0, 1, 1\n", "11, 12, 13, 14")
+    };
+    format!(
+        "*NODE\n1, 0, 0, 0\n2, 1, 0, 0\n3, 1, 1, 0\n4, 0, 1, 0\n5, 0, 0, 1\n6, 1, 0, 1\n7, 1, 1, 1\n8, 0, 1, 1\n{seam}\
+         15, 0, 0, 2\n16, 1, 0, 2\n17, 1, 1, 2\n18, 0, 1, 2\n\
+         *ELEMENT, TYPE=C3D8, ELSET=A\n1, 1, 2, 3, 4, 5, 6, 7, 8\n\
+         *ELEMENT, TYPE=C3D8, ELSET=B\n2, {upper}, 15, 16, 17, 18\n\
+         *NSET, NSET=bot\n1, 2, 3, 4\n*NSET, NSET=top\n15, 16, 17, 18\n{more}"
+    )
+}
+
+/// The warnings of a run, and the force that pulls the top up by 0.01.
+fn pulled(name: &str, mesh: &str, parts: &str) -> (Vec<String>, f64) {
+    let scratch = Scratch::new(name);
+    fs::write(scratch.0.join("cubes.inp"), mesh).unwrap();
+    let top = if parts.contains("parts.b") { "b.top" } else { "a.top" };
+    let deck = format!(
+        r#"
+materials.steel = {{ young = 200000.0, poisson = 0.0 }}
+{parts}
+boundary = [{{ nodes = "a.bot", fix = ["x", "y", "z"] }}, {{ nodes = "{top}", translate = [0.0, 0.0, 0.01] }}]
+time = {{ increment = 1.0 }}
+"#
+    );
+    let (_, summary) = run(&scratch, &deck, false, None);
+    let history = diffuse_contact_solver::output::read_history(&scratch.0.join("out/history.csv")).unwrap();
+    let force = history.value(history.rows.last().unwrap(), &format!("reaction_z:{top}"));
+    (summary.warnings, force)
+}
+
+const WHOLE: &str = "parts.a = { file = \"cubes.inp\", material = \"steel\" }";
+
+#[test]
+fn what_is_joined_needs_no_warning() {
+    let (warnings, force) = pulled("joined", &cubes(true, ""), WHOLE);
+    assert!(warnings.is_empty() && (force - 1000.0).abs() < 10.0, "{warnings:?} {force}");
+}
+
+#[test]
+fn constraints_that_are_not_read_are_told_with_their_lines() {
+    let more = "*SURFACE, NAME=SA\n1, S2\n*SURFACE, NAME=SB\n2, S1\n*Tie, name=glue\nSB, SA\n*RIGID BODY, REF NODE=1, ELSET=A\n\
+                *equation\n2\n1, 1, 1.0, 2, 1, -1.0\n*MPC\nTIE, 5, 11\n";
+    let (warnings, force) = pulled("constraints", &cubes(false, more), WHOLE);
+    assert!(force.abs() < 1e-6, "nothing holds the upper cube: {force}");
+    let [constraints, seams] = &warnings[..] else { panic!("{warnings:?}") };
+    assert!(
+        constraints.contains("*TIE in line 30, *RIGID BODY in line 32, *EQUATION in line 33 and 1 more"),
+        "{constraints}"
+    );
+    assert!(seams.contains("8 nodes of its elements lie where others do"), "{seams}");
+}
+
+#[test]
+fn nodes_that_two_parts_share_in_their_file_are_told() {
+    let parts = "parts.a = { file = \"cubes.inp\", elements = \"A\", material = \"steel\" }\n\
+                 parts.b = { file = \"cubes.inp\", elements = \"B\", material = \"steel\" }";
+    let (warnings, force) = pulled("shared", &cubes(true, ""), parts);
+    assert!(force.abs() < 1e-6, "{force}");
+    assert!(warnings.len() == 1 && warnings[0].contains("`a` and `b` share 4 nodes"), "{warnings:?}");
+    let (warnings, _) = pulled("apart", &cubes(false, ""), parts);
+    assert!(warnings.is_empty(), "{warnings:?}");
+}

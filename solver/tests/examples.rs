@@ -211,7 +211,7 @@ const MODULUS: f64 = 200_000.0 / 0.91;
 
 /// Makes the cylinder the master of an elastic block, whose nodes are the slaves.
 fn soften_floor(deck: &mut Deck, cells: usize) {
-    let material = deck.parts[0].material.clone();
+    let materials = deck.parts[0].materials.clone();
     let floor = deck.parts.iter_mut().find(|part| part.name == "floor").unwrap();
     floor.source = PartSource::Shape(Shape::Block(Block {
         origin: [0.0, 0.0, -10.0],
@@ -219,7 +219,7 @@ fn soften_floor(deck: &mut Deck, cells: usize) {
         divisions: [cells, 2, cells],
         grading: [80.0, 1.0, 1.0 / 80.0],
     }));
-    (floor.material, floor.translation) = (material, [0.0; 3]);
+    (floor.materials, floor.translation) = (materials, [0.0; 3]);
     let named = |name: &str| vec![Reference { name: name.into(), line: 0 }];
     deck.boundaries[0].nodes = named("floor.z-");
     for (nodes, axes) in [

@@ -1,6 +1,9 @@
-//! What a mesh file joins and a model does not is told.
+//! What a mesh file joins: elements of several materials stay joined, and what is not joined is told.
 
 use std::fs;
+
+use diffuse_contact_solver::deck::Deck;
+use diffuse_contact_solver::solid::Solid;
 
 use crate::warnings::{Scratch, run};
 
@@ -70,4 +73,79 @@ fn nodes_that_two_parts_share_in_their_file_are_told() {
     assert!(warnings.len() == 1 && warnings[0].contains("`a` and `b` share 4 nodes"), "{warnings:?}");
     let (warnings, _) = pulled("apart", &cubes(false, ""), parts);
     assert!(warnings.is_empty(), "{warnings:?}");
+}
+
+/// As a series of two springs.
+#[test]
+fn elements_of_two_materials_share_their_nodes() {
+    let parts = "materials.soft = { young = 100000.0, poisson = 0.0 }\n\
+                 parts.a = { file = \"cubes.inp\", material = { A = \"steel\", b = \"soft\" } }";
+    let (warnings, force) = pulled("materials", &cubes(true, ""), parts);
+    let series = 0.01 / (1.0 / 200_000.0 + 1.0 / 100_000.0);
+    assert!(warnings.is_empty() && (force - series).abs() < 0.01 * series, "{warnings:?} {force} {series}");
+}
+
+#[test]
+fn materials_of_a_part_have_names_numbers_and_results_of_their_own() {
+    let scratch = Scratch::new("materials-summary");
+    fs::write(scratch.0.join("cubes.inp"), cubes(true, "")).unwrap();
+    let deck = r#"
+materials.steel = { young = 200000.0, poisson = 0.3 }
+materials.soft = { young = 100000.0, poisson = 0.3 }
+parts.a = { file = "cubes.inp", element = "hex8i", material = { B = "soft", A = "steel" } }
+boundary = [{ nodes = "a.bot", fix = ["x", "y", "z"] }, { nodes = "a.top", translate = [0.0, 0.0, 0.01] }]
+time = { increment = 1.0 }
+"#;
+    let model = Deck::parse(deck).unwrap().model(&scratch.0).unwrap();
+    let solid = Solid::new(&model.nodes, &model.bodies).unwrap();
+    assert_eq!(
+        solid.parts(),
+        [("a".to_owned(), (0..12).collect::<Vec<_>>())],
+        "their nodes hold them together"
+    );
+    let (_, summary) = run(&scratch, deck, false, None);
+    let parts: Vec<_> = summary
+        .parts
+        .iter()
+        .map(|part| {
+            (
+                part.name.as_str(),
+                part.nodes,
+                part.elements,
+                part.incompatible_modes,
+                part.material.unwrap().young,
+            )
+        })
+        .collect();
+    assert_eq!(parts, [("a.B", 8, 1, 1, 1e5), ("a.A", 8, 1, 1, 2e5)]);
+}
+
+#[test]
+fn each_element_has_one_material() {
+    let scratch = Scratch::new("materials-refused");
+    fs::write(scratch.0.join("cubes.inp"), cubes(true, "*ELSET, ELSET=BOTH\n1, 2\n")).unwrap();
+    for (materials, expected) in [
+        (
+            "{ A = \"steel\" }",
+            "1 elements of the part \"a\" are in no set that has a material, the first is element 2",
+        ),
+        (
+            "{ A = \"steel\", BOTH = \"steel\" }",
+            "element 1 (in the mesh file) of the part \"a\" is in the sets \"A\" and \"BOTH\"",
+        ),
+        ("{ A = \"steel\", C = \"steel\" }", "has no element set \"C\""),
+        ("{ A = \"steel\", B = \"steal\" }", "no material is named \"steal\" (did you mean \"steel\"?)"),
+        ("{}", "needs a material"),
+    ] {
+        let text = format!(
+            "materials.steel = {{ young = 2e5, poisson = 0.3 }}\nparts.a = {{ file = \"cubes.inp\", material = {materials} }}\n\
+             time = {{ increment = 1.0 }}\n"
+        );
+        let error = Deck::parse(&text).unwrap().model(&scratch.0).unwrap_err().to_string();
+        assert!(error.contains(expected), "{error}");
+    }
+    let shape = "materials.steel = { young = 2e5, poisson = 0.3 }\ntime = { increment = 1.0 }\n\
+                 parts.a = { shape = \"box\", size = [1.0, 1.0, 1.0], divisions = [1, 1, 1], material = { all = \"steel\" } }";
+    let error = Deck::parse(shape).unwrap().model(&scratch.0).unwrap_err().to_string();
+    assert!(error.contains("no element set \"all\"; it has none"), "{error}");
 }

@@ -83,8 +83,8 @@ pub struct PartEntry {
     pub element: ElementKind,
     /// Whether its hexahedra with 8 nodes have incompatible modes; `None`: those of a file that it calls so.
     pub incompatible_modes: Option<bool>,
-    /// Name of its material; `None` for a rigid part.
-    pub material: Option<Reference>,
+    /// Names of its materials, each with its element set where there are several; none for a rigid part.
+    pub materials: Vec<(Option<String>, Reference)>,
     /// Rotations that place it, one after the other.
     pub rotations: Vec<Rotation>,
     /// Translation that places it, after the rotations, length.

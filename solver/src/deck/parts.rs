@@ -67,12 +67,11 @@ pub(super) fn part(name: &str, section: &Section) -> Result<PartEntry, DeckError
         PartSource::Solid { .. } => false,
         PartSource::Rigid { .. } => true,
     };
-    let material = if rigid {
+    let materials = if rigid {
         section.refuse(&["material"], "for a rigid part")?;
-        None
+        Vec::new()
     } else {
-        let field = section.need("material")?;
-        Some(Reference { name: field.text()?, line: field.line() })
+        of_sets(&section.need("material")?)?
     };
     let rotations = match section.get("rotate") {
         Some(field) if field.is_list() => {
@@ -98,10 +97,19 @@ pub(super) fn part(name: &str, section: &Section) -> Result<PartEntry, DeckError
         source,
         element,
         incompatible_modes,
-        material,
+        materials,
         rotations,
         translation,
     })
+}
+
+/// One material, or a table with one for each element set.
+fn of_sets(field: &Field) -> Result<Vec<(Option<String>, Reference)>, DeckError> {
+    let named = |field: &Field| Ok(Reference { name: field.text()?, line: field.line() });
+    if !field.is_table() {
+        return Ok(vec![(None, named(field)?)]);
+    }
+    field.section()?.all().iter().map(|(set, field)| Ok((Some(set.clone()), named(field)?))).collect()
 }
 
 /// The kind of a shape's elements, and whether they have incompatible modes.

@@ -268,6 +268,10 @@ impl<'a> Field<'a> {
         self.value.is_array()
     }
 
+    pub fn is_table(&self) -> bool {
+        self.value.is_table()
+    }
+
     /// Whether this is a table or a list of tables.
     fn holds_tables(&self) -> bool {
         let is_table = |value: &DeValue| value.as_table().is_some();

@@ -11,8 +11,8 @@ use super::error::{DeckError, Problem};
 use super::{Boundary, Deck, Interface, PartEntry, PartSource, Reference};
 use crate::distinct::distinct;
 use crate::model::{
-    Amplitude, Conflict, Model, ModelError, Part, Support, Supports, read_rigid_part, read_solid_part,
-    shared_nodes,
+    Amplitude, Conflict, Materials, Model, ModelError, Part, Support, Supports, read_rigid_part,
+    read_solid_part, shared_nodes,
 };
 
 const AXES: [&str; 3] = ["x", "y", "z"];
@@ -51,13 +51,13 @@ impl Deck {
         let mut from_files = Vec::new();
         for entry in &self.parts {
             let failed = |error| self.error(entry.line, Problem::Part { part: entry.name.clone(), error });
-            let material = entry.material.as_ref().map(|name| self.material(name)).transpose()?;
+            let materials = self.materials(&entry.materials)?;
             let mut part = entry.part(base.as_ref()).map_err(|problem| self.error(entry.line, *problem))?;
             if let PartSource::Solid { file, instance, .. } = &entry.source {
                 let nodes = std::mem::take(&mut part.node_labels);
                 from_files.push((entry.name.as_str(), (file, instance), nodes));
             }
-            model.add(&entry.name, part, material).map_err(failed)?;
+            model.add(&entry.name, part, materials).map_err(failed)?;
         }
         model.warnings.extend(shared_nodes(&from_files));
         if model.bodies.is_empty() {
@@ -97,7 +97,7 @@ impl Deck {
         let supports = Supports::new(model.nodes.len(), supports).map_err(contradiction)?;
 
         let deformable = model.deformable();
-        for entry in self.parts.iter().filter(|entry| entry.material.is_none()) {
+        for entry in self.parts.iter().filter(|entry| entry.materials.is_empty()) {
             for &node in model.node_sets.get(&entry.name).into_iter().flatten() {
                 let free = (0..3).find(|&axis| !deformable[node] && supports.is_free(3 * node + axis));
                 if let Some(axis) = free {
@@ -190,8 +190,18 @@ impl Deck {
         Ok(facets)
     }
 
-    fn material(&self, name: &Reference) -> Result<crate::material::Material, DeckError> {
-        self.find(&self.materials, "material", name).copied()
+    fn materials(&self, named: &[(Option<String>, Reference)]) -> Result<Materials, DeckError> {
+        let found = |name: &Reference| self.find(&self.materials, "material", name).copied();
+        match named {
+            [] => Ok(Materials::None),
+            [(None, name)] => Ok(Materials::One(found(name)?)),
+            _ => {
+                let of_set = |(set, name): &(Option<String>, Reference)| {
+                    Ok((set.clone().unwrap_or_default(), found(name)?))
+                };
+                named.iter().map(of_set).collect::<Result<_, _>>().map(Materials::BySet)
+            }
+        }
     }
 
     fn find<'a, T>(

@@ -87,6 +87,23 @@ impl Cells {
         &self.nodes
     }
 
+    /// Some of the elements, by their places.
+    ///
+    /// # Panics
+    /// If there is no such element.
+    #[must_use]
+    pub fn chosen(&self, which: &[usize]) -> Self {
+        let mut chosen = Self::default();
+        for &k in which {
+            let Cell { kind, nodes, incompatible_modes } = self.get(k);
+            chosen.push(kind, nodes);
+            if let Some(last) = chosen.incompatible.last_mut() {
+                *last = incompatible_modes;
+            }
+        }
+        chosen
+    }
+
     /// The same elements with other node indices.
     #[must_use]
     pub fn renumbered(&self, number: impl FnMut(usize) -> usize) -> Self {

@@ -67,6 +67,57 @@ pub enum ModelError {
         /// The part.
         part: String,
     },
+    /// A material is for an element set that the part has not.
+    #[error(
+        "the part {part:?} has no element set {set:?}{}",
+        hint(nearest.as_deref(), known),
+        part = shown(part),
+        set = shown(set)
+    )]
+    NoElementSet {
+        /// The part.
+        part: String,
+        /// The name.
+        set: String,
+        /// The one that was meant, perhaps.
+        nearest: Option<String>,
+        /// Those that hold elements of the part.
+        known: Vec<String>,
+    },
+    /// Two element sets with materials hold the same element.
+    #[error(
+        "element {} of the part {part:?} is in the sets {:?} and {:?}, which both have a material",
+        number_of(*element, *label),
+        shown(&sets[0]),
+        shown(&sets[1]),
+        part = shown(part)
+    )]
+    TwoMaterials {
+        /// The part.
+        part: String,
+        /// The element, from 0.
+        element: usize,
+        /// Its number in the mesh file, if there is one.
+        label: Option<u64>,
+        /// The sets.
+        sets: [String; 2],
+    },
+    /// No element set with a material holds an element.
+    #[error(
+        "{count} elements of the part {part:?} are in no set that has a material, the first is element {}",
+        number_of(*element, *label),
+        part = shown(part)
+    )]
+    ElementWithoutMaterial {
+        /// The part.
+        part: String,
+        /// The first of them, from 0.
+        element: usize,
+        /// Its number in the mesh file, if there is one.
+        label: Option<u64>,
+        /// How many.
+        count: usize,
+    },
     /// A part without elements has a material.
     #[error("the part {part:?} is rigid: a material has no meaning", part = shown(part))]
     RigidMaterial {
@@ -184,6 +235,19 @@ pub enum ModelError {
 }
 
 /// An element as messages give it: by its number in the mesh file, or counted from 1.
+/// Another name, or all of them.
+fn hint(nearest: Option<&str>, known: &[String]) -> String {
+    match (nearest, known) {
+        (Some(name), _) => format!(" (did you mean {:?}?)", shown(name)),
+        (None, []) => "; it has none".into(),
+        (None, _) => {
+            let names: Vec<String> = known.iter().take(8).map(|name| format!("{:?}", shown(name))).collect();
+            let more = if known.len() > names.len() { ", …" } else { "" };
+            format!("; it has {}{more}", names.join(", "))
+        }
+    }
+}
+
 fn number_of(element: usize, label: Option<u64>) -> String {
     label.map_or_else(|| (element + 1).to_string(), |label| format!("{label} (in the mesh file)"))
 }

@@ -1,6 +1,6 @@
 //! Parts from mesh files.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, HashMap};
 use std::path::Path;
 
 use diffuse_contact::surface::Facet;
@@ -51,8 +51,11 @@ pub fn read_solid_part(
         }
     };
     let (mut solids, mut labels, mut incompatible) = (Cells::default(), Vec::new(), Vec::new());
-    for element in chosen.iter().map(|&index| &mesh.elements()[index]) {
+    let mut places = Vec::new();
+    for &index in chosen {
+        let element = &mesh.elements()[index];
         if element.kind().dimension() == 3 {
+            places.push(index);
             solids.push(element.kind(), element.nodes());
             labels.push(element.tag());
             incompatible.push(element.has_incompatible_modes());
@@ -69,11 +72,19 @@ pub fn read_solid_part(
         elements.skin().into_iter().map(|facet| (sorted(facet.corners()), facet)).collect();
     let (surfaces, inner_facets) =
         part.surfaces(&mesh, |facet| outward.get(&sorted(facet.corners())).copied());
+    let place: HashMap<usize, usize> =
+        places.iter().enumerate().map(|(own, &element)| (element, own)).collect();
+    let own =
+        |elements: &Vec<usize>| elements.iter().filter_map(|element| place.get(element).copied()).collect();
+    let element_sets = mesh.element_sets().iter().map(|(name, elements)| (name.clone(), own(elements)));
+    let element_sets =
+        element_sets.filter(|(_, elements): &(String, Vec<usize>)| !elements.is_empty()).collect();
     let unread_constraints = mesh.unread_constraints().to_vec();
     let node_labels = part.nodes.iter().map(|&node| mesh.node_tags()[node]).collect();
     Ok(Part {
         elements,
         labels,
+        element_sets,
         surfaces,
         inner_facets,
         unread_constraints,

@@ -64,7 +64,8 @@ pub fn shared_nodes<F: PartialEq>(parts: &[(&str, F, Vec<u64>)]) -> Vec<String> 
         }
         sentences.extend(shared.into_iter().map(|(other, count)| {
             format!(
-                "parts `{}` and `{}` share {count} nodes in their mesh file, and none here: nothing but contact joins them",
+                "parts `{}` and `{}` share {count} nodes in their mesh file, and none here: nothing but contact joins them; one part may have a material \
+                 for each of its element sets",
                 shown(name),
                 shown(other)
             )

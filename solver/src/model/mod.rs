@@ -12,6 +12,7 @@ mod error;
 mod file;
 mod fingerprint;
 mod joints;
+mod materials;
 mod motion;
 mod part;
 pub mod shape;
@@ -28,6 +29,7 @@ pub use cells::{Cell, Cells};
 pub use error::{ModelError, ShapeError};
 pub use file::{read_rigid_part, read_solid_part};
 pub use joints::shared_nodes;
+pub use materials::Materials;
 pub use motion::{Amplitude, Motion, Rotation};
 pub use part::{MAX_NODES, Part};
 pub use supports::{Conflict, Support, Supports};
@@ -65,7 +67,9 @@ pub struct AdjustedNode {
 /// Elements of one material.
 #[derive(Clone, Debug)]
 pub struct Body {
-    /// Its name in the deck.
+    /// The part it belongs to.
+    pub part: String,
+    /// The part's name; `part.set` where the part has materials by element sets.
     pub name: String,
     /// Its elements.
     pub elements: Cells,
@@ -76,14 +80,15 @@ pub struct Body {
 }
 
 impl Model {
-    /// Adds a part under a name: its nodes after those that are there, its elements as a body of `material`, its sets and
+    /// Adds a part under a name: its nodes after those that are there, its elements as a body for each of its `materials`, its sets and
     /// surfaces as `name.set`, all its nodes and its whole skin as `name`. A part without elements is rigid and takes no
     /// material.
     ///
     /// # Errors
-    /// [`ModelError`]: a part of this name exists, the part is not sound, a material is missing or has no use, or there are
-    /// more than [`MAX_NODES`] nodes.
-    pub fn add(&mut self, name: &str, part: Part, material: Option<Material>) -> Result<(), ModelError> {
+    /// [`ModelError`]: a part of this name exists, the part is not sound, a material is missing or has no use, materials are for sets that do
+    /// not hold each element once, or there are more than [`MAX_NODES`] nodes.
+    pub fn add(&mut self, name: &str, part: Part, materials: impl Into<Materials>) -> Result<(), ModelError> {
+        let materials = materials.into();
         if name.is_empty() || name.contains('.') {
             return Err(ModelError::InvalidName { part: name.into() });
         }
@@ -95,15 +100,10 @@ impl Model {
         if count > MAX_NODES {
             return Err(ModelError::TooManyNodes { count: count as f64, limit: MAX_NODES });
         }
-        match (part.elements.is_empty(), material) {
-            (false, None) => return Err(ModelError::NoMaterial { part: name.into() }),
-            (true, Some(_)) => return Err(ModelError::RigidMaterial { part: name.into() }),
-            _ => {}
-        }
-
+        let first = self.nodes.len();
+        let bodies = materials::bodies(name, &part, &materials, first)?;
         self.warnings.extend(joints::unread_constraints(name, &part.unread_constraints));
         self.warnings.extend(joints::seams(name, &part));
-        let first = self.nodes.len();
         let whole = part.outside();
         self.node_sets.insert(name.into(), (first..count).collect());
         self.surfaces.insert(name.into(), shifted(whole, first));
@@ -116,10 +116,7 @@ impl Model {
         for (set, count) in part.inner_facets {
             self.inner_facets.insert(format!("{name}.{set}"), count);
         }
-        if let Some(material) = material {
-            let elements = part.elements.renumbered(|n| n + first);
-            self.bodies.push(Body { name: name.into(), elements, labels: part.labels, material });
-        }
+        self.bodies.extend(bodies);
         self.nodes.extend(part.nodes);
         Ok(())
     }
@@ -168,7 +165,7 @@ impl Model {
 
     /// The rigid parts with their facets, in the order of their nodes.
     pub fn rigid_parts(&self) -> impl Iterator<Item = (&str, &[Facet])> {
-        let is_rigid = |name: &str| self.bodies.iter().all(|body| body.name != name);
+        let is_rigid = |name: &str| self.bodies.iter().all(|body| body.part != name);
         let parts = self.parts().into_iter().filter(move |&(name, _)| is_rigid(name));
         parts.map(|(name, _)| (name, &self.surfaces[name][..]))
     }

@@ -27,6 +27,8 @@ pub struct Part {
     pub labels: Vec<u64>,
     /// All facets of a rigid part, oriented outward; empty for others, whose skin follows from the elements.
     pub facets: Vec<Facet>,
+    /// Elements by name, ascending: the sets of a mesh file.
+    pub element_sets: BTreeMap<String, Vec<usize>>,
     /// Nodes by name, ascending.
     pub node_sets: BTreeMap<String, Vec<usize>>,
     /// Facets by name, oriented outward.

@@ -1,6 +1,6 @@
 //! How a run ended, in a few numbers.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, HashSet};
 
 use diffuse_contact_mesh::names::shown;
 use serde::{Deserialize, Serialize};
@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 use crate::contact::{Beginning, Fallbacks, Penetration};
 use crate::deck::Deck;
 use crate::material::Material;
-use crate::model::Model;
+use crate::model::{Body, Model};
 use crate::statics::{Effort, ShownTime};
 
 /// Above this part of the elastic energy in its springs a penalty is worth a warning.
@@ -280,16 +280,22 @@ impl Summary {
 }
 
 fn parts(model: &Model) -> Vec<PartSummary> {
+    let body = |body: &Body| PartSummary {
+        name: body.name.clone(),
+        nodes: body.elements.nodes().iter().collect::<HashSet<_>>().len(),
+        elements: body.elements.len(),
+        incompatible_modes: body.elements.iter().filter(|cell| cell.incompatible_modes).count(),
+        material: Some(body.material),
+    };
     let part = |(name, _): (&str, usize)| {
-        let body = model.bodies.iter().find(|body| body.name == name);
-        PartSummary {
-            name: name.to_owned(),
-            nodes: model.node_sets.get(name).map_or(0, Vec::len),
-            elements: body.map_or(0, |body| body.elements.len()),
-            incompatible_modes: body
-                .map_or(0, |body| body.elements.iter().filter(|cell| cell.incompatible_modes).count()),
-            material: body.map(|body| body.material),
+        let bodies: Vec<PartSummary> =
+            model.bodies.iter().filter(|body| body.part == name).map(body).collect();
+        let nodes = model.node_sets.get(name).map_or(0, Vec::len);
+        match &bodies[..] {
+            [] => vec![PartSummary { name: name.to_owned(), nodes, ..PartSummary::default() }],
+            [one] => vec![PartSummary { nodes, ..one.clone() }],
+            _ => bodies,
         }
     };
-    model.parts().into_iter().map(part).collect()
+    model.parts().into_iter().flat_map(part).collect()
 }

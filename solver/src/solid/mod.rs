@@ -76,6 +76,8 @@ struct BodyElements {
     law: Law,
     elements: Range<usize>,
     /// The part's name.
+    part: String,
+    /// The body's, which names the material's set where the part has several.
     name: String,
     /// Numbers of the elements in the mesh file; none if there is no file.
     labels: Vec<u64>,
@@ -151,8 +153,8 @@ impl Solid {
             let law =
                 Law::new(&body.material).map_err(|source| SolidError::Material { body: index, source })?;
             let start = elements.len();
-            let (name, labels) = (body.name.clone(), body.labels.clone());
-            let part = BodyElements { law, elements: start..start + body.elements.len(), name, labels };
+            let (part, name, labels) = (body.part.clone(), body.name.clone(), body.labels.clone());
+            let part = BodyElements { law, elements: start..start + body.elements.len(), part, name, labels };
             for cell in body.elements.iter() {
                 let element = Element::new(cell, nodes, elements.len());
                 elements.push(element.map_err(|error| error.named(|element| part.name_of(element)))?);
@@ -219,7 +221,7 @@ impl Solid {
         self.bodies[index].elements.clone()
     }
 
-    /// What elements hold together: the bodies by their names in the deck, with their nodes. Pieces of a body that share no node are parts of
+    /// What elements hold together: the parts by their names in the deck, with their nodes. Pieces of a part that share no node are parts of
     /// their own, named by a node of theirs.
     #[must_use]
     pub fn parts(&self) -> &[(String, Vec<usize>)] {
@@ -228,11 +230,13 @@ impl Solid {
 
     fn find_parts(&self) -> Vec<(String, Vec<usize>)> {
         let mut parts = Vec::new();
-        for body in &self.bodies {
-            let pieces = pieces(&self.elements[body.elements.clone()]);
+        // Materials of a part are bodies one after the other.
+        for bodies in self.bodies.chunk_by(|one, next| one.part == next.part) {
+            let elements = bodies[0].elements.start..bodies[bodies.len() - 1].elements.end;
+            let pieces = pieces(&self.elements[elements]);
             let is_one = pieces.len() == 1;
             parts.extend(pieces.into_iter().map(|nodes| {
-                let name = body.name.clone();
+                let name = bodies[0].part.clone();
                 (
                     if is_one {
                         name

@@ -100,7 +100,7 @@ pub fn set_middles(nodes: &mut [[f64; 3]], cells: &Cells) {
 }
 
 pub fn body(elements: Cells, material: Material) -> Body {
-    Body { name: "body".into(), elements, labels: Vec::new(), material }
+    Body { part: "body".into(), name: "body".into(), elements, labels: Vec::new(), material }
 }
 
 /// A statics problem under Newton's iterations.

@@ -187,7 +187,8 @@ fn chart(problem: &Problem, mut curves: Vec<Curve>) -> Chart {
 
 /// Makes the floor an elastic block, whose nodes are the slaves: the curved body carries the contact surface.
 fn soften(deck: &mut Deck, problem: &Problem, cells: usize) {
-    let material = deck.parts.iter().find_map(|part| part.material.clone());
+    let materials =
+        deck.parts.iter().map(|part| part.materials.clone()).find(|materials| !materials.is_empty());
     let (across, width) = problem.across.unwrap_or((cells, RADIUS));
     let fine = 80.0;
     for part in deck.parts.iter_mut().filter(|part| part.name == "floor") {
@@ -197,7 +198,7 @@ fn soften(deck: &mut Deck, problem: &Problem, cells: usize) {
             divisions: [cells, across, cells],
             grading: [fine, if problem.across.is_some() { 1.0 } else { fine }, 1.0 / fine],
         }));
-        part.material.clone_from(&material);
+        part.materials = materials.clone().unwrap_or_default();
         part.translation = [0.0; 3];
     }
     let named = |name: &str| vec![Reference { name: name.to_owned(), line: 0 }];

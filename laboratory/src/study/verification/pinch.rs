@@ -98,7 +98,7 @@ impl Refined {
             let stiff = steel.map(|steel| Material { young: STIFF * steel.young, poisson: 0.0, ..steel });
             deck.materials.extend(stiff.map(|stiff| ("stiff".to_owned(), stiff)));
             for plate in deck.parts.iter_mut().filter(|part| part.name == "plate") {
-                plate.material = Some(Reference { name: "stiff".into(), line: plate.line });
+                plate.materials = vec![(None, Reference { name: "stiff".into(), line: plate.line })];
             }
         }
         Ok(deck)

@@ -33,7 +33,7 @@ fn opened(scratch: &Scratch, page: &str) -> Option<String> {
         .args(["--disable-background-networking", "--disable-component-update", "--disable-sync", &profile])
         // No host is found: what the page needs it holds.
         .args(["--host-resolver-rules=MAP * ~NOTFOUND", "--window-size=1240,1800"])
-        .args(["--virtual-time-budget=60000", "--dump-dom", &format!("file://{page}")])
+        .args(["--virtual-time-budget=10000", "--dump-dom", &format!("file://{page}")])
         .output()
         .unwrap();
     Some(String::from_utf8(output.stdout).unwrap())

@@ -277,9 +277,9 @@ pub enum Problem {
     },
 }
 
-/// The line that begins or goes on after these bytes of a file, from 1.
-pub(crate) fn line_after(before: &[u8]) -> usize {
-    1 + before.iter().filter(|&&byte| byte == b'\n').count()
+/// How many lines end in these bytes.
+pub(crate) fn newlines(bytes: &[u8]) -> usize {
+    bytes.iter().filter(|&&byte| byte == b'\n').count()
 }
 
 /// A problem and the byte at which it was met: what the readers raise before path and line are known.
@@ -305,7 +305,7 @@ impl Fault {
     /// The error for a text file: the byte becomes a line number.
     pub fn in_text(self, path: &Path, bytes: &[u8]) -> MeshError {
         let before = &bytes[..self.at.min(bytes.len())];
-        let line = line_after(before);
+        let line = 1 + newlines(before);
         MeshError::Invalid { path: path.into(), place: Place::Line(line), problem: self.problem }
     }
 

@@ -40,6 +40,8 @@ pub struct UnreadConstraint {
     pub keyword: &'static str,
     /// Its line in the file, from 1.
     pub line: usize,
+    /// The element set that a rigid body is made of.
+    pub elements: Option<String>,
 }
 
 /// An element of a type that is not supported: it is not in the mesh.

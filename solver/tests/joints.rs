@@ -73,6 +73,23 @@ fn nodes_that_two_parts_share_in_their_file_are_told() {
     assert!(warnings.len() == 1 && warnings[0].contains("`a` and `b` share 4 nodes"), "{warnings:?}");
     let (warnings, _) = pulled("apart", &cubes(false, ""), parts);
     assert!(warnings.is_empty(), "{warnings:?}");
+    // One body in two places.
+    let twice = "parts.a = { file = \"cubes.inp\", material = \"steel\" }\n\
+                 parts.b = { file = \"./cubes.inp\", material = \"steel\", translate = [2.0, 0.0, 0.0] }";
+    let (warnings, _) = pulled("twice", &cubes(true, ""), twice);
+    assert!(warnings.is_empty(), "{warnings:?}");
+}
+
+/// A rigid tool beside the solids is no constraint of theirs.
+#[test]
+fn a_rigid_body_of_other_elements_is_not_told() {
+    let tool = "*NODE\n21, 0, 0, 5\n22, 1, 0, 5\n23, 1, 1, 5\n24, 0, 1, 5\n*ELEMENT, TYPE=R3D4, ELSET=TOOL\n9, 21, 22, 23, 24\n\
+                *RIGID BODY, ELSET=TOOL, REF NODE=21\n";
+    let (warnings, _) = pulled("tool", &cubes(true, tool), WHOLE);
+    assert!(warnings.is_empty(), "{warnings:?}");
+    let own = "*RIGID BODY, ELSET=b, REF NODE=21\n";
+    let (warnings, _) = pulled("own", &cubes(true, own), WHOLE);
+    assert!(warnings.len() == 1 && warnings[0].contains("*RIGID BODY"), "{warnings:?}");
 }
 
 /// As a series of two springs.
@@ -125,14 +142,12 @@ fn each_element_has_one_material() {
     let scratch = Scratch::new("materials-refused");
     fs::write(scratch.0.join("cubes.inp"), cubes(true, "*ELSET, ELSET=BOTH\n1, 2\n")).unwrap();
     for (materials, expected) in [
-        (
-            "{ A = \"steel\" }",
-            "1 elements of the part \"a\" are in no set that has a material, the first is element 2",
-        ),
+        ("{ A = \"steel\" }", "in no set that has a material: 1, the first is element 2"),
         (
             "{ A = \"steel\", BOTH = \"steel\" }",
             "element 1 (in the mesh file) of the part \"a\" is in the sets \"A\" and \"BOTH\"",
         ),
+        ("{ A = \"steel\", a = \"steel\" }", "is in the sets \"A\" and \"a\""),
         ("{ A = \"steel\", C = \"steel\" }", "has no element set \"C\""),
         ("{ A = \"steel\", B = \"steal\" }", "no material is named \"steal\" (did you mean \"steel\"?)"),
         ("{}", "needs a material"),
@@ -148,4 +163,34 @@ fn each_element_has_one_material() {
                  parts.a = { shape = \"box\", size = [1.0, 1.0, 1.0], divisions = [1, 1, 1], material = { all = \"steel\" } }";
     let error = Deck::parse(shape).unwrap().model(&scratch.0).unwrap_err().to_string();
     assert!(error.contains("no element set \"all\"; it has none"), "{error}");
+}
+
+/// Faces between materials are on no skin, and contact finds the part's as if it were of one.
+#[test]
+fn several_materials_make_one_skin() {
+    let deck = |element: &str, material: &str| {
+        format!(
+            r#"
+materials.steel = {{ young = 200000.0, poisson = 0.3 }}
+parts.a = {{ file = "cubes.inp", element = "{element}", material = {material} }}
+parts.floor = {{ shape = "rigid-plane", size = [4.0, 4.0], divisions = [2, 2], translate = [-1.0, -1.0, 0.0] }}
+boundary = [{{ nodes = "floor", fix = ["x", "y", "z"] }}, {{ nodes = "a.top", translate = [0.0, 0.0, -0.01] }}]
+interface = [{{ name = "floor", master = "floor", slave = "a" }}]
+time = {{ increment = 1.0 }}
+"#
+        )
+    };
+    for element in ["hex8", "hex8i"] {
+        let scratch = Scratch::new(&format!("skin-{element}"));
+        fs::write(scratch.0.join("cubes.inp"), cubes(true, "")).unwrap();
+        let [one, two] = ["\"steel\"", "{ A = \"steel\", B = \"steel\" }"].map(|material| {
+            let text = deck(element, material);
+            let model = Deck::parse(&text).unwrap().model(&scratch.0).unwrap();
+            let facets: usize = model.skins().iter().map(Vec::len).sum();
+            let (_, summary) = run(&scratch, &text, false, None);
+            (facets, model.surfaces["a"].len(), summary.contact_force, summary.warnings)
+        });
+        assert_eq!((one.0, one.1), (10, 10));
+        assert_eq!(one, two, "{element}");
+    }
 }

@@ -215,7 +215,44 @@ increment = 1.0
     assert!((contact.force[2] - contact.normal_force).abs() < 1e-9 * contact.normal_force, "{contact:?}");
     assert!((contact.normal_force - 16.0 * 1e-3 / 3.5e-6).abs() < 0.01 * contact.normal_force, "{contact:?}");
     assert!((contact.area - 16.0).abs() < 1e-12);
-    assert!(summary.warnings.iter().any(|warning| warning.contains("29 % of the elastic energy")));
+    let is_soft = |summary: &Summary| {
+        summary
+            .warnings
+            .iter()
+            .any(|warning| warning.contains("29 % of the elastic energy, by penetration at `floor`"))
+    };
+    assert!(is_soft(&summary), "{:?}", summary.warnings);
+    // Over faces it is the same energy, and so it is after the load is gone.
+    let (_, over_faces) =
+        run(&scratch, &deck(1e6).replace("areas = true", "integration = \"faces\""), false, None);
+    assert!((over_faces.contacts["floor"].penalty_share - 1.0 / 3.5).abs() < 1e-3 && is_soft(&over_faces));
+    let back = "translate = [0.0, 0.0, -0.001]\namplitude = [[0.0, 0.0], [0.5, 1.0], [1.0, 0.0]]";
+    let (_, unloaded) =
+        run(&scratch, &deck(1e6).replace("translate = [0.0, 0.0, -0.001]", back), false, None);
+    assert!(unloaded.contacts["floor"].normal_force < 1e-3 * contact.normal_force && is_soft(&unloaded));
+    // Augmented, nothing penetrates.
+    let augmented = deck(1e6).replace(
+        "areas = true",
+        "areas = true\nmethod = \"augmented-lagrangian\"\naugmentation = { tolerance = 1e-8 }",
+    );
+    let (_, augmented) = run(&scratch, &augmented, false, None);
+    assert!(
+        augmented.contacts["floor"].penalty_share < 0.01 && augmented.warnings.is_empty(),
+        "{:?}",
+        augmented.warnings
+    );
+    // Where the sheet yields, its strength makes the force.
+    let (_, plastic) = run(
+        &scratch,
+        &deck(1e6).replace("poisson = 0.0", "poisson = 0.0, yield_stress = 100.0"),
+        false,
+        None,
+    );
+    assert!(
+        !plastic.warnings.iter().any(|warning| warning.contains("elastic energy")),
+        "{:?}",
+        plastic.warnings
+    );
     let (_, summary) = run(&scratch, &deck(1e8), false, None);
     assert!(summary.contacts["floor"].penalty_share < 0.01 && summary.warnings.is_empty());
     let (_, summary) = run(&scratch, &deck(1e15), false, None);
@@ -259,6 +296,12 @@ increment = 0.25
         let scratch = Scratch::new(&format!("moved-{element}"));
         let (_, summary) = run(&scratch, &deck, false, None);
         assert!(summary.warnings.is_empty() && summary.cutbacks == 0, "{element}: {:?}", summary.warnings);
+        let most = if element == "tet10" { 3 } else { 1 };
+        assert!(
+            summary.newton_iterations <= most * summary.increments,
+            "{element}: {}",
+            summary.newton_iterations
+        );
     }
 }
 

@@ -16,7 +16,7 @@ use std::collections::{BTreeMap, HashMap};
 
 use crate::builder::Builder;
 use crate::element::{ElementKind, MOST_NODES};
-use crate::error::{Fault, Problem, line_after};
+use crate::error::{Fault, Problem, newlines};
 use crate::mesh::{Mesh, Unread, UnreadConstraint, UnreadElement};
 use assembly::{Bystanders, Choice, Placement};
 use lines::{Data, Keyword, Lines};
@@ -71,8 +71,8 @@ struct Deck<'a> {
     unread: Vec<UnreadElement>,
     /// Their places, by tag.
     unread_index: HashMap<u64, usize>,
-    /// Keywords of constraints, and where they are.
-    constraints: Vec<(&'static str, usize)>,
+    /// Keywords of constraints, where they are, and the sets that they name.
+    constraints: Vec<(&'static str, usize, Option<String>)>,
 }
 
 /// Keywords that tie nodes to one another, without their blanks and with them.
@@ -121,7 +121,8 @@ impl Deck<'_> {
             }
             unspaced => {
                 if let Some(&(_, name)) = CONSTRAINTS.iter().find(|(known, _)| *known == unspaced) {
-                    self.constraints.push((name, keyword.at));
+                    let elements = keyword.value("ELSET").map(str::to_owned);
+                    self.constraints.push((name, keyword.at, elements));
                 }
                 self.lines.skip_data();
                 Ok(())
@@ -369,8 +370,13 @@ impl Deck<'_> {
 
     fn into_mesh(self, bytes: &[u8]) -> Result<Mesh, Fault> {
         let Deck { builder, node_sets, element_sets, surfaces, choice, placement, .. } = self;
-        let constraint = |(keyword, at)| UnreadConstraint { keyword, line: line_after(&bytes[..at]) };
-        let constraints = self.constraints.into_iter().map(constraint).collect();
+        let (mut line, mut counted) = (1, 0);
+        let mut constraint = |(keyword, at, elements): (_, usize, _)| {
+            line += newlines(&bytes[counted..at]);
+            counted = at;
+            UnreadConstraint { keyword, line, elements }
+        };
+        let constraints = self.constraints.into_iter().map(&mut constraint).collect();
         let elements = builder.resolved_elements()?;
         let node = |tag| builder.node_index(tag).map_or(Found::Missing, Found::Index);
         let element = |tag| match builder.element_index(tag) {

@@ -220,8 +220,8 @@ impl Beginning {
         );
         if *stiffness_ratio > STIFF {
             warnings.push(format!(
-                "interface `{}`: its penalty is {stiffness_ratio:.1e} times as stiff as facets of the bodies: the rounding of its forces is as \
-                 large as theirs; 1e3 times is stiff enough",
+                "interface `{}`: its penalty is {stiffness_ratio:.1e} times as stiff as facets of the bodies, whose forces are lost in \
+                 its rounding; 1e3 times is enough",
                 shown(interface)
             ));
         }

@@ -21,7 +21,8 @@ pub struct Resultant {
     pub area: f64,
     /// Where the normal forces act on the slave: Σ f x / Σ f. The origin without any.
     pub centre: Point,
-    /// Σ f d / 2 over normal forces and the depths at which they act, energy: what the springs of the penalty store.
+    /// Σ f d / 2 over the normal forces of slaves that something moves and their penetrations, energy: without augmentation what the springs of
+    /// the penalty store.
     pub penalty_energy: f64,
 }
 
@@ -57,7 +58,9 @@ impl Interaction {
                 // The second pass has its points on the same surface in contact.
                 (0..3).for_each(|axis| sum.centre[axis] += slave.force * x[axis]);
                 sum.normal += slave.force;
-                sum.penalty_energy += 0.5 * slave.force * (-slave.gap.unwrap_or(0.0)).max(0.0);
+                if !slave.is_held {
+                    sum.penalty_energy += 0.5 * slave.force * (-slave.gap.unwrap_or(0.0)).max(0.0);
+                }
                 sum.friction += slave.friction.iter().map(|f| f * f).sum::<f64>().sqrt();
                 area += self.loaded_area(&slave);
             }

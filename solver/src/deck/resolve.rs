@@ -55,7 +55,11 @@ impl Deck {
             let mut part = entry.part(base.as_ref()).map_err(|problem| self.error(entry.line, *problem))?;
             if let PartSource::Solid { file, instance, .. } = &entry.source {
                 let nodes = std::mem::take(&mut part.node_labels);
-                from_files.push((entry.name.as_str(), (file, instance), nodes));
+                let file = base.as_ref().join(file);
+                // A file that is placed twice makes two bodies.
+                let place = (&entry.rotations, entry.translation);
+                let source = (file.canonicalize().unwrap_or(file), instance, place);
+                from_files.push((entry.name.as_str(), source, nodes));
             }
             model.add(&entry.name, part, materials).map_err(failed)?;
         }

@@ -29,6 +29,19 @@ pub struct Cell<'a> {
     pub incompatible_modes: bool,
 }
 
+impl<'a> FromIterator<Cell<'a>> for Cells {
+    fn from_iter<I: IntoIterator<Item = Cell<'a>>>(cells: I) -> Self {
+        let mut all = Self::default();
+        for Cell { kind, nodes, incompatible_modes } in cells {
+            all.push(kind, nodes);
+            if let Some(last) = all.incompatible.last_mut() {
+                *last = incompatible_modes;
+            }
+        }
+        all
+    }
+}
+
 impl Cells {
     /// Adds an element.
     ///
@@ -93,15 +106,7 @@ impl Cells {
     /// If there is no such element.
     #[must_use]
     pub fn chosen(&self, which: &[usize]) -> Self {
-        let mut chosen = Self::default();
-        for &k in which {
-            let Cell { kind, nodes, incompatible_modes } = self.get(k);
-            chosen.push(kind, nodes);
-            if let Some(last) = chosen.incompatible.last_mut() {
-                *last = incompatible_modes;
-            }
-        }
-        chosen
+        which.iter().map(|&k| self.get(k)).collect()
     }
 
     /// The same elements with other node indices.

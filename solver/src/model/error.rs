@@ -104,7 +104,7 @@ pub enum ModelError {
     },
     /// No element set with a material holds an element.
     #[error(
-        "{count} elements of the part {part:?} are in no set that has a material, the first is element {}",
+        "the part {part:?} has elements in no set that has a material: {count}, the first is element {}",
         number_of(*element, *label),
         part = shown(part)
     )]
@@ -139,6 +139,16 @@ pub enum ModelError {
         part: String,
         /// The node, from 0.
         node: usize,
+        /// How many there are.
+        count: usize,
+    },
+    /// An element of a set does not exist.
+    #[error("the part {part:?} has a set with element {element}, but it has {count} elements", part = shown(part))]
+    ElementOutOfRange {
+        /// The part.
+        part: String,
+        /// The element, from 0.
+        element: usize,
         /// How many there are.
         count: usize,
     },
@@ -234,7 +244,6 @@ pub enum ModelError {
     },
 }
 
-/// An element as messages give it: by its number in the mesh file, or counted from 1.
 /// Another name, or all of them.
 fn hint(nearest: Option<&str>, known: &[String]) -> String {
     match (nearest, known) {
@@ -248,6 +257,7 @@ fn hint(nearest: Option<&str>, known: &[String]) -> String {
     }
 }
 
+/// An element as messages give it: by its number in the mesh file, or counted from 1.
 fn number_of(element: usize, label: Option<u64>) -> String {
     label.map_or_else(|| (element + 1).to_string(), |label| format!("{label} (in the mesh file)"))
 }

@@ -77,9 +77,11 @@ pub fn read_solid_part(
     let own =
         |elements: &Vec<usize>| elements.iter().filter_map(|element| place.get(element).copied()).collect();
     let element_sets = mesh.element_sets().iter().map(|(name, elements)| (name.clone(), own(elements)));
-    let element_sets =
+    let element_sets: BTreeMap<String, Vec<usize>> =
         element_sets.filter(|(_, elements): &(String, Vec<usize>)| !elements.is_empty()).collect();
-    let unread_constraints = mesh.unread_constraints().to_vec();
+    let unread_constraints =
+        mesh.unread_constraints().iter().filter(|constraint| holds(&element_sets, constraint));
+    let unread_constraints = unread_constraints.cloned().collect();
     let node_labels = part.nodes.iter().map(|&node| mesh.node_tags()[node]).collect();
     Ok(Part {
         elements,
@@ -91,6 +93,12 @@ pub fn read_solid_part(
         node_labels,
         ..part.into_part(&mesh)
     })
+}
+
+/// Whether a constraint may hold elements of these sets: a rigid body of another set does not.
+fn holds(sets: &BTreeMap<String, Vec<usize>>, constraint: &mesh::UnreadConstraint) -> bool {
+    let is_named = |set: &String| sets.keys().any(|own| own.to_lowercase() == set.to_lowercase());
+    constraint.elements.as_ref().is_none_or(is_named)
 }
 
 /// A rigid part: the triangles and quadrilaterals of a surface or an element set, oriented as in the file, and of the file's
@@ -107,7 +115,7 @@ pub fn read_rigid_part(path: &Path, instance: Option<&str>, surface: &str) -> Re
         facets.iter().map(|&facet| (sorted(facet.corners()), facet)).collect();
     // Facets between its nodes that are none of its own belong to other surfaces.
     let (surfaces, _) = part.surfaces(&mesh, |facet| own.get(&sorted(facet.corners())).copied());
-    // A rigid part moves as one anyway.
+    // Constraints are left out: a rigid part moves as one anyway.
     Ok(Part { facets, surfaces, ..part.into_part(&mesh) })
 }
 

@@ -18,7 +18,7 @@ pub(super) fn unread_constraints(part: &str, constraints: &[UnreadConstraint]) -
     let named: Vec<String> = constraints
         .iter()
         .take(NAMED)
-        .map(|UnreadConstraint { keyword, line }| format!("*{keyword} in line {line}"))
+        .map(|UnreadConstraint { keyword, line, .. }| format!("*{keyword} in line {line}"))
         .collect();
     let more = match constraints.len() - named.len() {
         0 => String::new(),
@@ -42,13 +42,13 @@ pub(super) fn seams(name: &str, part: &Part) -> Option<String> {
     let doubled: usize = places.into_values().filter(|&count| count > 1).sum();
     (doubled > 0).then(|| {
         format!(
-            "part `{}`: {doubled} nodes of its elements lie where others do: these elements are not joined there",
+            "part `{}`: {doubled} nodes of its elements lie where others do: nothing but contact joins these elements",
             shown(name)
         )
     })
 }
 
-/// Nodes of a mesh file that more than one part of solid elements takes. `parts`: name, file and instance, and the nodes' numbers in the
+/// Nodes of a mesh file that more than one part of solid elements takes. `parts`: name; file, instance and place; the nodes' numbers in the
 /// file.
 #[must_use]
 pub fn shared_nodes<F: PartialEq>(parts: &[(&str, F, Vec<u64>)]) -> Vec<String> {
@@ -64,8 +64,8 @@ pub fn shared_nodes<F: PartialEq>(parts: &[(&str, F, Vec<u64>)]) -> Vec<String> 
         }
         sentences.extend(shared.into_iter().map(|(other, count)| {
             format!(
-                "parts `{}` and `{}` share {count} nodes in their mesh file, and none here: nothing but contact joins them; one part may have a material \
-                 for each of its element sets",
+                "parts `{}` and `{}` share {count} nodes in their mesh file, and none here: only contact joins them. One part may have \
+                 several materials",
                 shown(name),
                 shown(other)
             )

@@ -52,8 +52,8 @@ pub(super) fn bodies(
             for (set, material) in sets {
                 let (spelling, elements) = find(name, part, set)?;
                 for &element in elements {
-                    if let Some(other) = owners[element].replace(spelling) {
-                        let sets = [other.to_owned(), spelling.to_owned()];
+                    if let Some(other) = owners[element].replace(set) {
+                        let sets = [other.to_owned(), set.clone()];
                         return Err(ModelError::TwoMaterials {
                             part: name.into(),
                             element,

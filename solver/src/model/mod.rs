@@ -18,7 +18,8 @@ mod part;
 pub mod shape;
 mod supports;
 
-use std::collections::{BTreeMap, HashMap};
+use std::borrow::Cow;
+use std::collections::{BTreeMap, HashMap, HashSet};
 
 use diffuse_contact::faces::QuadraticFace;
 use diffuse_contact::surface::Facet;
@@ -138,10 +139,30 @@ impl Model {
         deformable
     }
 
-    /// The faces of the bodies' skins that have nodes in the middle of their edges.
+    /// The faces of the deformable parts' skins that have nodes in the middle of their edges.
     #[must_use]
     pub fn quadratic_faces(&self) -> Vec<QuadraticFace> {
-        self.bodies.iter().flat_map(|body| body.elements.quadratic_faces()).collect()
+        self.deformable_parts().flat_map(|bodies| whole(bodies).quadratic_faces()).collect()
+    }
+
+    /// The facets of each body that are on the skin of its part: none between materials.
+    #[must_use]
+    pub fn skins(&self) -> Vec<Vec<Facet>> {
+        let of_part = |bodies: &[Body]| {
+            let all = whole(bodies).skin();
+            if bodies.len() == 1 {
+                return vec![all];
+            }
+            let outside: HashSet<Vec<usize>> = all.iter().map(|facet| sorted(facet.corners())).collect();
+            let is_outside = |facet: &Facet| outside.contains(&sorted(facet.corners()));
+            bodies.iter().map(|body| body.elements.skin().into_iter().filter(is_outside).collect()).collect()
+        };
+        self.deformable_parts().flat_map(of_part).collect()
+    }
+
+    /// The bodies of each deformable part.
+    fn deformable_parts(&self) -> impl Iterator<Item = &[Body]> {
+        self.bodies.chunk_by(|one, next| one.part == next.part)
     }
 
     /// The faces that facets are made of, each by its nodes: a face of second order if all of its facets are there, or the facet.
@@ -178,6 +199,14 @@ impl Model {
             whole.filter_map(|(name, nodes)| Some((name.as_str(), *nodes.first()?))).collect();
         parts.sort_by_key(|&(_, first)| first);
         parts
+    }
+}
+
+/// All elements of a part.
+fn whole(bodies: &[Body]) -> Cow<'_, Cells> {
+    match bodies {
+        [one] => Cow::Borrowed(&one.elements),
+        _ => Cow::Owned(bodies.iter().flat_map(|body| body.elements.iter()).collect()),
     }
 }
 

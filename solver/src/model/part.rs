@@ -84,6 +84,10 @@ impl Part {
         if let Some(&node) = self.elements.nodes().iter().chain(named).find(|&&node| node >= count) {
             return Err(ModelError::NodeOutOfRange { part: part(), node, count });
         }
+        let count = self.elements.len();
+        if let Some(&element) = self.element_sets.values().flatten().find(|&&element| element >= count) {
+            return Err(ModelError::ElementOutOfRange { part: part(), element, count });
+        }
         for (node, position) in self.nodes.iter().enumerate() {
             if let Some(&value) = position.iter().find(|value| !(value.abs() < MAX_COORDINATE)) {
                 return Err(ModelError::NonFinitePosition { part: part(), node, value });

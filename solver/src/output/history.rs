@@ -151,42 +151,42 @@ fn with_friction<'a>(
     all.filter(|(interaction, _)| interaction.options().friction.is_some())
 }
 
-/// A residual above this part of the forces is as large as they are.
-const UNLOADED: f64 = 1e-2;
+/// Forces of less than so many times what is allowed are rounding themselves.
+const UNLOADED: f64 = 50.0;
 
-/// Increments that ended with a residual above what the tolerances allow in any of them, which rounding of the positions explains.
+/// Increments that ended with a residual above what the tolerances allow in any of them, which rounding of the positions explains. Those
+/// without a load do not count.
 pub(super) fn rounded(history: &History, iterations: &History) -> usize {
     let of = |row: &HistoryRow, column: &str| iterations.value(row, column);
     let allowed = iterations.rows.iter().map(|row| of(row, "allowed")).fold(0.0, f64::max);
     // The last line of an increment is the one that counts.
-    let residuals: BTreeMap<usize, [f64; 2]> = iterations
-        .rows
-        .iter()
-        .map(|row| (row.increment, ["residual", "relative"].map(|x| of(row, x))))
-        .collect();
+    let ends: BTreeMap<usize, &HistoryRow> = iterations.rows.iter().map(|row| (row.increment, row)).collect();
     let is_rounded = |row: &&HistoryRow| history.value(row, "rounded") > 0.0;
-    // Where the residual is as large as the forces there is no load.
     let above = |row: &&HistoryRow| {
-        residuals
-            .get(&row.increment)
-            .is_some_and(|&[residual, relative]| residual > allowed && relative < UNLOADED)
+        ends.get(&row.increment).is_some_and(|end| {
+            let (residual, relative) = (of(end, "residual"), of(end, "relative"));
+            residual > allowed && residual > relative * UNLOADED * of(end, "allowed")
+        })
     };
     history.rows.iter().filter(is_rounded).filter(above).count()
 }
 
-/// Contact at the end of the last line.
-pub(super) fn last_contacts(history: &History, problem: &Problem) -> BTreeMap<String, ContactSummary> {
+/// Contact at the end of the last line, and how soft penalties were where the energy was largest.
+pub(super) fn contacts(history: &History, problem: &Problem) -> BTreeMap<String, ContactSummary> {
     let columns = interface_columns(problem);
     let last = |column: &str| history.rows.last().map_or(0.0, |row| history.value(row, column));
-    let springs = |column: &String| last(&format!("penalty_energy:{column}"));
-    let strain = last("strain_energy");
-    let all = strain + columns.iter().map(springs).sum::<f64>();
+    let energy = |row: &HistoryRow, column: &String| history.value(row, &format!("penalty_energy:{column}"));
+    let strain = |row: &HistoryRow| history.value(row, "strain_energy");
+    let whole =
+        |row: &HistoryRow| strain(row) + columns.iter().map(|column| energy(row, column)).sum::<f64>();
+    let loaded = history.rows.iter().filter(|row| strain(row) > 0.0);
+    let most = loaded.max_by(|one, other| whole(one).total_cmp(&whole(other)));
     let of = |(interaction, column): (&Interaction, &String)| {
         let summary = ContactSummary {
             force: ["x", "y", "z"].map(|axis| last(&format!("contact_force_{axis}:{column}"))),
             normal_force: last(&format!("contact_normal_force:{column}")),
             area: last(&format!("contact_area:{column}")),
-            penalty_share: if strain > 0.0 { springs(column) / all } else { 0.0 },
+            penalty_share: most.map_or(0.0, |row| energy(row, column) / whole(row)),
         };
         (interaction.options().name.clone(), summary)
     };

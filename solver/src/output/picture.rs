@@ -13,8 +13,8 @@ pub fn name(number: usize) -> String {
     format!("{}/{number:05}.vtu", names::PICTURES)
 }
 
-/// Writes a picture: the mesh at the start, `fields` at its nodes. Cells carry `part`, the place of their part among the
-/// deformable ones; rigid surfaces have the number of deformable parts.
+/// Writes a picture: the mesh at the start, `fields` at its nodes. Cells carry `part`, the place of their body among
+/// all of them; rigid surfaces have the number of bodies.
 pub fn write(
     directory: &Directory,
     number: usize,

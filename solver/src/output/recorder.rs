@@ -57,7 +57,7 @@ impl RecorderOptions {
 
 /// Someone who watches a run and may stop it.
 pub trait Watcher: Send {
-    /// Where nodes that a mesh file joins are not joined in the model, in sentences.
+    /// Where nodes that a mesh file joins are not joined in the model, in sentences; told of a run that goes on, too.
     fn model(&mut self, warnings: &[String]) {
         let _ = warnings;
     }
@@ -302,7 +302,7 @@ impl<'a> Recorder<'a> {
         summary.interfaces_vanished.clone_from(&self.vanished);
         summary.interfaces.clone_from(&self.beginnings);
         let history = super::read_history(&self.directory.path(names::HISTORY))?;
-        summary.contacts = history::last_contacts(&history, problem);
+        summary.contacts = history::contacts(&history, problem);
         summary.friction = history::last_friction(&history, problem);
         let iterations = super::read_history(&self.directory.path(names::ITERATIONS))?;
         summary.increments_rounded = history::rounded(&history, &iterations);

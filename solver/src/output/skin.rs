@@ -43,8 +43,7 @@ impl Skin {
     pub fn of(model: &Model, shown: &str) -> Self {
         let mut corners: Vec<Vec<usize>> = Vec::new();
         let mut parts = Vec::new();
-        for (k, body) in model.bodies.iter().enumerate() {
-            let faces = body.elements.skin();
+        for (k, faces) in model.skins().into_iter().enumerate() {
             corners.extend(faces.iter().map(|face| face.corners().to_vec()));
             parts.resize(corners.len(), k);
         }

@@ -11,8 +11,10 @@ use crate::material::Material;
 use crate::model::{Body, Model};
 use crate::statics::{Effort, ShownTime};
 
-/// Above this part of the elastic energy in its springs a penalty is worth a warning.
+/// Above this part of the elastic energy in their springs penalties are worth a warning.
 const SOFT: f64 = 0.05;
+/// Interfaces with less than this part of that are not named.
+const SOFT_PART: f64 = 0.05;
 
 /// `summary.json`.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -121,8 +123,8 @@ pub struct ContactSummary {
     pub normal_force: f64,
     /// Area of the slave that carries force.
     pub area: f64,
-    /// What the springs of its penalty store, over that and the elastic energy of all bodies, 0 to 1. About as much softer than the bodies
-    /// alone is the whole.
+    /// Half of its normal forces times penetrations, over that of all interfaces and the elastic energy of all bodies, 0 to 1, in the increment
+    /// in which these together are largest. About as much softer than the bodies alone is the whole.
     pub penalty_share: f64,
 }
 
@@ -142,9 +144,9 @@ pub struct FrictionSummary {
 /// A part of the model.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct PartSummary {
-    /// Its name in the deck.
+    /// Its name in the deck; `part.set` for each element set with a material of its own.
     pub name: String,
-    /// Its nodes.
+    /// Its nodes; those between two materials count in both.
     pub nodes: usize,
     /// Its elements; 0 if it is rigid.
     pub elements: usize,
@@ -194,23 +196,22 @@ impl Summary {
         })
     }
 
-    /// Interfaces whose penalty gives way beside the bodies, in sentences.
-    fn soft_interfaces(&self) -> impl Iterator<Item = String> {
-        let has_force = |name: &&String| !self.interfaces_without_force.contains(name);
-        let soft = self
-            .contacts
-            .iter()
-            .filter(move |(name, contact)| has_force(name) && contact.penalty_share > SOFT);
-        soft.map(|(name, contact)| {
-            let penalty = self.interfaces.iter().find(|start| start.interface == *name);
-            format!(
-                "interface `{}`: {:.0} % of the elastic energy is in the springs of its penalty{}: forces are too low by about that; a stiffer \
-                 one, or method = \"augmented-lagrangian\", takes less",
-                shown(name),
-                100.0 * contact.penalty_share,
-                penalty.map_or_else(String::new, |start| format!(" {:.3e}", start.penalty)),
-            )
-        })
+    /// Interfaces whose penalties give way beside the bodies, in a sentence. Where bodies yield, forces follow from their strength.
+    fn soft_penalties(&self) -> Option<String> {
+        let yields =
+            |part: &PartSummary| part.material.is_some_and(|material| material.plasticity().is_some());
+        let share: f64 = self.contacts.values().map(|contact| contact.penalty_share).sum();
+        if share <= SOFT || self.parts.iter().any(yields) {
+            return None;
+        }
+        let soft = self.contacts.iter().filter(|(_, contact)| contact.penalty_share > SOFT_PART * share);
+        let named: Vec<String> = soft.map(|(name, _)| format!("`{}`", shown(name))).collect();
+        Some(format!(
+            "contact takes {:.0} % of the elastic energy, by penetration at {}: where motions are prescribed forces are too low by about \
+             that. A stiffer penalty or augmentation takes less",
+            100.0 * share,
+            named.join(", ")
+        ))
     }
 
     /// What went wrong on the way, in sentences.
@@ -240,8 +241,7 @@ impl Summary {
             ),
             (
                 self.points_missed,
-                "points of loaded faces carried no force, over all increments: their line of force met no place of the facet over them, so that the \
-                 pressure of these faces is too low"
+                "points of loaded faces carried no force, over all increments: their line of force met no place of the facet over them"
                     .to_owned(),
             ),
             (
@@ -260,8 +260,8 @@ impl Summary {
         let counted = counted.into_iter().filter(|&(count, _)| count > 0);
         let idle = self.interfaces_without_force.iter().map(|interface| {
             format!(
-                "the interface `{}` never carried force at the end of an increment: is it out of reach, does its master face the wrong \
-                 way, is a set the wrong one, or the penalty far too low?",
+                "the interface `{}` never carried force at the end of an increment: is it out of reach, or does its master face the \
+                 wrong way?",
                 shown(interface)
             )
         });
@@ -274,7 +274,7 @@ impl Summary {
             )
         });
         let counted = counted.map(|(count, what)| format!("{count} {what}"));
-        let contacts = self.deep_slaves().chain(self.soft_interfaces());
+        let contacts = self.deep_slaves().chain(self.soft_penalties());
         counted.chain(idle).chain(vanished).chain(contacts).chain(self.new_fallbacks()).collect()
     }
 }

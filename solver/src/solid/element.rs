@@ -193,8 +193,8 @@ impl Element {
         each!(self, element => element.evaluate(step, results, scratch))
     }
 
-    pub fn stored_energy(&self, step: Step<'_>) -> Result<f64, SolidError> {
-        each!(self, element => element.stored_energy(step))
+    pub fn stored_energy(&self, step: Step<'_>, scratch: &mut Scratch) -> Result<f64, SolidError> {
+        each!(self, element => element.stored_energy(step, scratch))
     }
 
     /// Calls `visit` with each point of distortion and the pressure there.
@@ -396,9 +396,9 @@ impl<const N: usize, const P: usize, const Q: usize, const W: usize, const I: us
         Ok(full)
     }
 
-    fn stored_energy(&self, step: Step<'_>) -> Result<f64, SolidError> {
+    fn stored_energy(&self, step: Step<'_>, scratch: &mut Scratch) -> Result<f64, SolidError> {
         let (mut energy, mut current_volume) = (0.0, 0.0);
-        let corners = self.placed(step, &mut Scratch::default())?;
+        let corners = self.placed(step, scratch)?;
         for point in 0..P {
             let (deformed, _) = self.distorted(step, point, &corners)?;
             current_volume += self.distortion.weights[point] * deformed.jacobian;

@@ -75,7 +75,7 @@ struct Start {
 struct BodyElements {
     law: Law,
     elements: Range<usize>,
-    /// The part's name.
+    /// The name of its part.
     part: String,
     /// The body's, which names the material's set where the part has several.
     name: String,
@@ -325,12 +325,18 @@ impl Solid {
     /// Those of [`Solid::evaluate`].
     pub fn stored_energy(&self, positions: &[[f64; 3]], committed: &[PointState]) -> Result<f64, SolidError> {
         self.check(positions, committed)?;
-        let mut total = 0.0;
-        for (index, element) in self.elements.iter().enumerate() {
-            let energy = element.stored_energy(self.step(index, positions, committed));
-            total += energy.map_err(|error| self.named(error))?;
-        }
-        Ok(total)
+        let piece = |first: usize| {
+            let mut scratch = Scratch::default();
+            let elements = first..self.len().min(first + PIECE);
+            let energy = |index: usize| {
+                self.elements[index].stored_energy(self.step(index, positions, committed), &mut scratch)
+            };
+            elements.map(energy).sum::<Result<f64, SolidError>>()
+        };
+        let starts: Vec<usize> = (0..self.len()).step_by(PIECE).collect();
+        // One order of the sum for any number of threads.
+        let energies: Vec<Result<f64, SolidError>> = starts.into_par_iter().map(piece).collect();
+        energies.into_iter().sum::<Result<f64, SolidError>>().map_err(|error| self.named(error))
     }
 
     /// c E L h, force, with c = 5e-16: about what rounding of coordinates makes of the forces on a node. E is the largest modulus, L the

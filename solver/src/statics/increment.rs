@@ -402,6 +402,9 @@ impl<'a> Increment<'a> {
     }
 
     fn finish(&mut self) -> Result<(State, IncrementRecord), Failure> {
+        let solid = self.problem.solid();
+        let strain_energy =
+            solid.stored_energy(&self.positions, &self.committed.points).map_err(Failure::of_solid)?;
         let friction = self.problem.contacts_mut().accept()?;
         let &mut Self { committed, end, iterations, rounds, .. } = self;
         let positions = std::mem::take(&mut self.positions);
@@ -426,8 +429,6 @@ impl<'a> Increment<'a> {
         let way = Way { from: &committed.positions, to: &state.positions };
         let named = |(interface, slaves): (&str, usize)| (interface.to_owned(), slaves);
         let imbalance: Vec<f64> = problem.imbalance().collect();
-        let strain_energy =
-            problem.solid().stored_energy(&state.positions, &committed.points).map_err(Failure::of_solid)?;
         let groups = 0..problem.supports().groups().len();
         let record = IncrementRecord {
             number: state.increments,

@@ -6,9 +6,9 @@ use faer::sparse::linalg::amd;
 
 use super::{BlockPattern, Equations};
 
-/// About how many multiplications the symmetric factors of the free equations take, from an ordering of the nodes; infinite where there is
-/// no memory for that.
-pub(super) fn multiplications(pattern: &BlockPattern, equations: &Equations) -> f64 {
+/// About how many multiplications the symmetric factors of the free equations take for an entry of their matrix, from an ordering of the
+/// nodes; infinite where there is no memory for that.
+pub(super) fn multiplications_per_entry(pattern: &BlockPattern, equations: &Equations) -> f64 {
     let mut numbers = vec![u32::MAX; pattern.nodes()];
     let mut nodes = Vec::new();
     for node in 0..pattern.nodes() {
@@ -35,7 +35,7 @@ pub(super) fn multiplications(pattern: &BlockPattern, equations: &Equations) -> 
     let Ok(work) = amd::order(&mut order, &mut inverse, graph, amd::Control::default(), stack) else {
         return f64::INFINITY;
     };
-    // Each node has a block.
+    // Each pair of nodes has a block.
     let axes = equations.len() as f64 / size.max(1) as f64;
-    work.n_mult_subs_ldl * axes.powi(3)
+    work.n_mult_subs_ldl * axes / rows.len().max(1) as f64
 }

@@ -16,7 +16,7 @@ use crate::statics::Problem;
 /// A slave that starts deeper below its master than this part of its facets' size is more than a mesh that does not quite fit.
 const DEEP: f64 = 0.1;
 
-/// A penalty so many times as stiff as the bodies' facets leaves them few digits: those of 1e16.
+/// A penalty so many times as stiff as the bodies' facets leaves their forces 7 of 16 digits.
 const STIFF: f64 = 1e9;
 
 /// The slaves of an interaction at the last evaluation, which is that of the start.

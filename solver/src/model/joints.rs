@@ -1,6 +1,6 @@
 //! What a mesh file joins and a model does not, in sentences.
 
-use std::collections::{BTreeMap, HashMap, HashSet};
+use std::collections::{HashMap, HashSet};
 
 use diffuse_contact_mesh::UnreadConstraint;
 use diffuse_contact_mesh::names::shown;
@@ -31,7 +31,7 @@ pub(super) fn unread_constraints(part: &str, constraints: &[UnreadConstraint]) -
     ))
 }
 
-/// Nodes of different elements of a part at the very same place.
+/// Nodes of a part's elements at the very same place.
 pub(super) fn seams(name: &str, part: &Part) -> Option<String> {
     let mut places: HashMap<[u64; 3], usize> = HashMap::new();
     let used: HashSet<usize> = part.elements.nodes().iter().copied().collect();
@@ -55,21 +55,17 @@ pub fn shared_nodes<F: PartialEq>(parts: &[(&str, F, Vec<u64>)]) -> Vec<String> 
     let mut sentences = Vec::new();
     for (k, (name, file, nodes)) in parts.iter().enumerate() {
         let nodes: HashSet<u64> = nodes.iter().copied().collect();
-        let mut shared = BTreeMap::new();
         for (other, _, others) in parts[k + 1..].iter().filter(|(_, of, _)| of == file) {
             let count = others.iter().filter(|node| nodes.contains(node)).count();
             if count > 0 {
-                shared.insert(*other, count);
+                sentences.push(format!(
+                    "parts `{}` and `{}` share {count} nodes in their mesh file, and none here: only contact joins them. One part may \
+                     have several materials",
+                    shown(name),
+                    shown(other)
+                ));
             }
         }
-        sentences.extend(shared.into_iter().map(|(other, count)| {
-            format!(
-                "parts `{}` and `{}` share {count} nodes in their mesh file, and none here: only contact joins them. One part may have \
-                 several materials",
-                shown(name),
-                shown(other)
-            )
-        }));
     }
     sentences
 }

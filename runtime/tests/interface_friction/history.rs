@@ -7,7 +7,7 @@ use diffuse_contact::interface::{Anchor, ContactElement, FrictionReport, Interfa
 use diffuse_contact::neighbourhood::SearchOptions;
 use diffuse_contact::{Mode, Point, Weight};
 
-use super::{DEPTH, PENALTY, Pressed, STIFFNESS, assert_balance, assert_tangent, bits, law, length};
+use super::{DEPTH, PENALTY, Pressed, STIFFNESS, assert_balance, assert_tangent, law, length};
 use crate::common::{Mesh, distance, hull_layers};
 
 #[test]

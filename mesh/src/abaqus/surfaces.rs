@@ -145,6 +145,11 @@ impl Surfaces {
             surfaces[surface].unread = surfaces[surface].unread.or(unread);
             for index in indices {
                 let facets = face.facets(&elements[index]);
+                if facets.is_empty() && elements[index].kind().dimension() == 2 {
+                    // An edge, by CalculiX' numbers: it is no facet, and a fault only where the surface is asked for.
+                    surfaces[surface].unsupported.get_or_insert_with(|| face.to_string());
+                    continue;
+                }
                 if facets.is_empty() {
                     return Err(Fault::new(at, wrong_face(face, &elements[index])));
                 }

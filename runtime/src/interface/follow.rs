@@ -14,6 +14,17 @@ use crate::neighbourhood::SearchOptions;
 use crate::pairing::NearestNodes;
 use crate::surface::{Creases, check_position};
 
+/// Which slaves are paired, and how.
+struct Pairs<'a> {
+    /// Whether lists follow within an increment.
+    follows: bool,
+    compares: Compares,
+    /// The facet of each slave, where it is known.
+    facets: Option<&'a [u32]>,
+    /// How far each may still move with the list it has, where lists are kept.
+    holds: Option<Vec<f64>>,
+}
+
 impl ContactInterface {
     /// Takes over the positions and pairs every slave anew; with nodal domains lists of nodes stay while nobody has moved by more
     /// than half their skin, nor so far that another sheet may be the closest one.
@@ -31,11 +42,12 @@ impl ContactInterface {
     /// As [`update`](Self::update). Pairing and positions of before then stay.
     pub fn refresh_pairing(&mut self, positions: &[Point]) -> Result<RefreshReport, InterfaceError> {
         self.check_positions(positions)?;
-        if let Some(report) = self.kept_lists(positions) {
+        let holds = self.holds_at(positions);
+        if let Some(report) = self.kept_lists(holds.as_deref()) {
             self.positions.copy_from_slice(positions);
             return Ok(report);
         }
-        self.pair(positions, false, self.compared(), None)
+        self.pair(positions, Pairs { holds, ..self.anew() })
     }
 
     /// As [`refresh_pairing`](Self::refresh_pairing), but with nodal domains lists are made anew wherever everybody is: what they are then
@@ -46,38 +58,36 @@ impl ContactInterface {
     /// As [`update`](Self::update). Pairing and positions of before then stay.
     pub fn renew_pairing(&mut self, positions: &[Point]) -> Result<RefreshReport, InterfaceError> {
         self.check_positions(positions)?;
-        self.pair(positions, false, self.compared(), None)
+        self.pair(positions, self.anew())
     }
 
-    /// As [`update`](Self::update), but with nodal domains the lists follow: if something has moved by more than half their skin, or
+    /// As [`update`](Self::update), but with nodal domains the lists follow: where something has moved by more than half their skin, or
     /// so far that another sheet may be the closest one, they are made anew. A slave stays with its side of the surface.
-    /// Returns whether they were made anew: a pattern made for the old ones is no longer theirs. To be called in every iteration.
+    /// Returns whether they are others now: a pattern made for the old ones is no longer theirs. To be called in every iteration.
     ///
     /// # Errors
     /// As [`update`](Self::update).
     pub fn follow(&mut self, positions: &[Point]) -> Result<bool, InterfaceError> {
         self.check_positions(positions)?;
-        let is_current = self.listed.is_none() || self.kept_lists(positions).is_some();
-        if is_current {
+        let holds = self.holds_at(positions);
+        if self.listed.is_none() || self.kept_lists(holds.as_deref()).is_some() {
             self.positions.copy_from_slice(positions);
             return Ok(false);
         }
-        self.pair(positions, true, self.compared(), None)?;
-        Ok(true)
+        let before = Arc::clone(&self.pairings.layout);
+        self.pair(positions, Pairs { follows: true, holds, ..self.anew() })?;
+        Ok(!Arc::ptr_eq(&before, &self.pairings.layout))
     }
 
-    const fn compared(&self) -> Compares {
-        if self.nodal.is_some() { Compares::GainedAndLost } else { Compares::All }
+    /// All slaves.
+    const fn anew(&self) -> Pairs<'static> {
+        let compares = if self.nodal.is_some() { Compares::OtherSheets } else { Compares::All };
+        Pairs { follows: false, compares, facets: None, holds: None }
     }
 
-    /// Pairs every slave at positions that have been checked. `follows`: whether lists follow within an increment.
-    fn pair(
-        &mut self,
-        positions: &[Point],
-        follows: bool,
-        compares: Compares,
-        facets: Option<&[u32]>,
-    ) -> Result<RefreshReport, InterfaceError> {
+    /// Pairs slaves at positions that have been checked.
+    fn pair(&mut self, positions: &[Point], pairs: Pairs<'_>) -> Result<RefreshReport, InterfaceError> {
+        let Pairs { follows, compares, facets, holds } = pairs;
         // Everything that may fail comes first; nothing of `self` changes before.
         let index = self.master.at(positions)?;
         let (search, cloud) = match self.options.element {
@@ -114,6 +124,7 @@ impl ContactInterface {
             compares,
             facets,
             follows,
+            holds: holds.as_deref(),
             knowledge: self.known.as_ref().map(|known| Knowledge::new(known, positions)),
         };
         let (mut pairings, report) = refresh.run(&self.refreshes, &blank);
@@ -146,14 +157,15 @@ impl ContactInterface {
         let pairings = std::mem::replace(&mut self.pairings, blank);
         let before = std::mem::replace(&mut self.positions, positions.clone());
         let listed = self.listed.take();
-        self.pair(&positions, false, Compares::None, Some(facets)).inspect_err(|_| {
+        let pairs = Pairs { follows: false, compares: Compares::None, facets: Some(facets), holds: None };
+        self.pair(&positions, pairs).inspect_err(|_| {
             (self.pairings, self.positions, self.listed) = (pairings, before, listed);
         })
     }
 
-    /// The report of a refresh that leaves the lists of nodal domains as they are, as nobody has moved so far that another one is
-    /// possible, master and slave together.
-    fn kept_lists(&self, positions: &[Point]) -> Option<RefreshReport> {
+    /// How far each slave and the masters together may still move before its list has to be made anew: it has to be where that is not
+    /// positive. `None`: everywhere.
+    fn holds_at(&self, positions: &[Point]) -> Option<Vec<f64>> {
         let listed = self.listed.as_ref()?;
         if self.known.as_ref().is_some_and(|known| !known.holds_at(positions)) {
             return None;
@@ -164,9 +176,14 @@ impl ContactInterface {
         };
         let masters =
             self.master.nodes().iter().map(|&node| square(node as usize)).fold(0.0, f64::max).sqrt();
-        let stays =
-            |k: usize| masters + square(self.pairings.layout.slave(k)).sqrt() < self.pairings.holds[k];
-        self.pairings.all().all(stays).then(|| {
+        let Pairings { layout, holds, .. } = &self.pairings;
+        Some((0..).zip(holds).map(|(k, hold)| hold - (masters + square(layout.slave(k)).sqrt())).collect())
+    }
+
+    /// The report of a refresh that leaves all lists of nodal domains as they are, as nobody has moved so far that another one is possible.
+    fn kept_lists(&self, holds: Option<&[f64]>) -> Option<RefreshReport> {
+        let listed = self.listed.as_ref()?;
+        holds?.iter().all(|&hold| hold > 0.0).then(|| {
             let paired = listed.report.paired;
             let without = listed.report.without.clone();
             let (fallbacks, deep) = (listed.report.fallbacks, listed.report.deep);

@@ -87,16 +87,31 @@ impl Refresh<'_> {
         Ok(Record { support_radius: shortest, basis, fallback, facet })
     }
 
-    /// By how much the shortest edge of a facet has become shorter, a factor of at most 1: domains, and the skin around them, lie in the
-    /// first configuration, where a slave's place moves by as much more.
+    /// The least stretch of a facet and those beside it, at most 1: domains, and the skin around them, lie in the first configuration,
+    /// where a slave's place moves by as much more.
     fn squeezed(&self, nodal: &Nodal, facet: u32) -> f64 {
-        let (shape, places) = (self.index.shape(facet), self.evaluator.surface.corners_of(facet as usize));
-        let first = |corner: usize| Vector3::from(nodal.domains.first_position(places[corner]));
-        let ratio = |edge: usize| {
-            let [from, to] = shape.edge(edge);
-            (to - from).norm() / (first((edge + 1) % places.len()) - first(edge)).norm()
+        let beside = self.evaluator.surface.across(facet as usize).iter().copied();
+        let facets = beside.filter(|&other| other != NONE).chain([facet]);
+        facets.map(|facet| self.least_stretch(nodal, facet)).fold(1.0, f64::min)
+    }
+
+    /// The smaller singular value of the deformation gradient of a facet: of its diagonals, or of two edges.
+    fn least_stretch(&self, nodal: &Nodal, facet: u32) -> f64 {
+        let places = self.evaluator.surface.corners_of(facet as usize);
+        let now: Vec<Vector3> = self.index.shape(facet).corners().to_vec();
+        let first: Vec<Vector3> =
+            places.iter().map(|&place| Vector3::from(nodal.domains.first_position(place))).collect();
+        // Products of two lines across the facet.
+        let metric = |corners: &[Vector3]| {
+            let (one, other) = (corners[2] - corners[0], corners[corners.len() - 1] - corners[1]);
+            [one.dot(&one), one.dot(&other), other.dot(&other)]
         };
-        (0..places.len()).map(ratio).fold(1.0, f64::min)
+        let ([a, b, c], [d, e, f]) = (metric(&first), metric(&now));
+        let area = a * c - b * b;
+        let trace = (a * f - 2.0 * b * e + c * d) / area;
+        let determinant = (d * f - e * e) / area;
+        let largest = 0.5 * (trace + (trace * trace - 4.0 * determinant).max(0.0).sqrt());
+        (determinant.max(0.0) / largest).sqrt()
     }
 }
 
@@ -165,7 +180,7 @@ impl Refresh<'_> {
     }
 
     /// Whether it makes no difference which of two facets is the closest one.
-    fn lists_alike(&self, nodal: &Nodal, facet: u32, other: u32) -> bool {
+    pub(super) fn lists_alike(&self, nodal: &Nodal, facet: u32, other: u32) -> bool {
         let corners = self.evaluator.surface.corners_of(other as usize);
         nodal.domains.carried(facet) == nodal.domains.carried(other)
             && corners.iter().all(|&place| {

@@ -33,8 +33,8 @@ const DEEP: f64 = 0.1;
 pub enum Compares {
     /// Those of all slaves.
     All,
-    /// Of slaves that had no pairing, or have none: with nodal domains a list makes no difference to another gap.
-    GainedAndLost,
+    /// Of slaves that had no pairing, have none, or have that of another sheet: a list makes no difference to the gap of a sheet.
+    OtherSheets,
     /// Nobody's: nobody has a pairing.
     None,
 }
@@ -53,6 +53,8 @@ pub struct Refresh<'a> {
     pub facets: Option<&'a [u32]>,
     /// Whether lists follow within an increment: then no slave changes to the other side of a surface.
     pub follows: bool,
+    /// How far each slave may still move with the list it has, if any does: lists of those that may move stay.
+    pub holds: Option<&'a [f64]>,
     /// What is known, where there is a window of the surface only.
     pub knowledge: Option<Knowledge<'a>>,
 }
@@ -113,6 +115,29 @@ impl Chunk {
     fn masters_of(&self, own: usize) -> &[u32] {
         &self.masters[self.range_of(own)]
     }
+
+    /// Appends the lists of a slave.
+    fn push(&mut self, paired: &Paired<'_>) {
+        self.masters.extend_from_slice(paired.masters);
+        self.records.push(Ok(*paired.record));
+        self.frames.extend(paired.frame);
+        self.patches.push(paired.patch);
+        self.sheet_nodes.extend_from_slice(paired.sheet_nodes);
+        self.images.push(paired.images);
+        self.auxiliary.push(paired.auxiliary);
+        self.ends.push(self.masters.len());
+    }
+
+    /// Appends a slave without a pairing.
+    fn push_without(&mut self, reason: NoContact, stand_in: Option<Frame>) {
+        self.report.count_without(reason);
+        self.records.push(Err(reason));
+        self.frames.extend(stand_in);
+        [&mut self.patches, &mut self.images, &mut self.auxiliary]
+            .into_iter()
+            .for_each(|list| list.push(&[]));
+        self.ends.push(self.masters.len());
+    }
 }
 
 impl Refresh<'_> {
@@ -165,6 +190,9 @@ impl Refresh<'_> {
 
     /// Pairs the `k`-th slave and books it.
     fn slave(&self, k: usize, scratch: &mut RefreshScratch, chunk: &mut Chunk) {
+        if let Some(&hold) = self.holds.map(|holds| &holds[k]).filter(|hold| **hold > 0.0) {
+            return self.keep(k, hold, chunk);
+        }
         let node = self.old.layout.slave(k);
         let old = self.old.get(k).ok();
         let closest = match self.facets {
@@ -199,33 +227,43 @@ impl Refresh<'_> {
                     Some(old) if old.masters == paired.masters => report.renewed += 1,
                     Some(_) => report.changed += 1,
                 }
-                if self.compares == Compares::All
-                    || (old.is_none() && self.compares == Compares::GainedAndLost)
-                {
-                    let paired = Paired { frame: frame.as_ref(), ..paired };
+                let paired = Paired { frame: frame.as_ref(), ..paired };
+                if self.compares(old.as_ref().map(|old| old.record.facet), paired.record.facet) {
                     let before = old.as_ref().and_then(|old| self.old_gap(old, element));
                     report.compare(node, before, self.evaluator.gap(&paired, element).ok());
                 }
-                chunk.masters.extend_from_slice(masters);
-                chunk.records.push(record);
-                chunk.frames.extend(frame);
-                chunk.patches.push(patch);
-                chunk.sheet_nodes.extend_from_slice(sheet_nodes);
-                chunk.images.push(images);
-                chunk.auxiliary.push(auxiliary);
+                chunk.push(&paired);
             }
             Err(reason) => {
                 report.lost += usize::from(old.is_some());
                 report.compare(node, old.and_then(|old| self.old_gap(&old, element)), None);
-                report.count_without(reason);
-                chunk.records.push(Err(reason));
-                chunk.frames.extend(self.evaluator.stand_in_frame());
-                chunk.patches.push(&[]);
-                chunk.images.push(&[]);
-                chunk.auxiliary.push(&[]);
+                chunk.push_without(reason, self.evaluator.stand_in_frame());
             }
         }
-        chunk.ends.push(chunk.masters.len());
+    }
+
+    /// Leaves the list of the `k`-th slave as it is.
+    fn keep(&self, k: usize, hold: f64, chunk: &mut Chunk) {
+        chunk.holds.push(hold);
+        match self.old.get(k) {
+            Ok(paired) => {
+                let report = &mut chunk.report;
+                (report.paired, report.kept) = (report.paired + 1, report.kept + 1);
+                report.count_fallback(paired.record.fallback);
+                report.deep += usize::from(self.is_deep(paired.slave, paired.record.facet, None));
+                chunk.push(&paired);
+            }
+            Err(reason) => chunk.push_without(reason, self.evaluator.stand_in_frame()),
+        }
+    }
+
+    /// Whether gaps are compared of a slave with a pairing. `before`: the facet of the old one.
+    fn compares(&self, before: Option<u32>, facet: u32) -> bool {
+        match (self.compares, self.evaluator.nodal, before) {
+            (Compares::None, ..) => false,
+            (Compares::OtherSheets, Some(nodal), Some(before)) => !self.lists_alike(nodal, before, facet),
+            _ => true,
+        }
     }
 
     /// Whether a slave lies deep below the facet of its pairing. `closest`: where that was looked for.

@@ -54,6 +54,8 @@ pub(super) struct Scratch {
     reach: f64,
     shell: f64,
     middle: Vector3,
+    /// Whether the sheet has no others.
+    is_all: bool,
     /// The same seen from a centre.
     pub nodes: Vec<Near>,
 }
@@ -144,7 +146,7 @@ fn factor_at(
         // Beyond this a node that is not among those gathered might be within reach.
         let complete = scratch.look(centre, sheets.symmetry);
         let count = scratch.nodes.len();
-        let is_all = count == last;
+        let is_all = scratch.is_all && count == last;
         let farthest = scratch.nodes.last().map_or(0.0, |farthest| farthest.distance);
         // Then what the quadratic basis asks for cannot be found among more nodes.
         let is_decided = is_all || count > MOST_NODES || complete.min(farthest) >= LARGEST_FACTOR;
@@ -173,7 +175,7 @@ impl Scratch {
         let symmetry = sheets.symmetry;
         self.middle = sheets.index.shape(facet).middle();
         let from = Point::from(self.middle);
-        sheets.find(&mut self.found, (facet, from), reach);
+        self.is_all = sheets.find(&mut self.found, (facet, from), reach);
         self.around.clear();
         for &node in &self.found.nodes {
             let domain = &cells[node as usize];

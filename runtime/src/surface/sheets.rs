@@ -43,11 +43,11 @@ impl Sheets<'_> {
         if listed.image == NONE { *domain } else { self.symmetry.domain_of(listed.image, domain) }
     }
 
-    /// Finds the nodes of the facet's sheet within reach of a point of it, and auxiliary points.
-    pub(super) fn find(&self, found: &mut Found, (facet, from): (u32, Point), reach: f64) {
+    /// Finds the nodes of the facet's sheet within reach of a point of it, and auxiliary points. Returns whether the sheet has no others.
+    pub(super) fn find(&self, found: &mut Found, (facet, from): (u32, Point), reach: f64) -> bool {
         let Found { walk, reached, nodes, is_open } = found;
         walk.start(self.index, facet, from);
-        walk.nodes_within(self.index, self.creases, reach, reached);
+        let is_all = walk.nodes_within(self.index, self.creases, reach, reached);
         let sheet_node = |&(place, facet): &(u32, u32)| self.nodes.at(self.index.surface(), facet, place);
         nodes.clear();
         nodes.extend(reached.iter().map(sheet_node));
@@ -71,6 +71,7 @@ impl Sheets<'_> {
         });
         nodes[count..].sort_unstable();
         nodes.dedup();
+        is_all
     }
 }
 

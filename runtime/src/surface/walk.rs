@@ -86,14 +86,14 @@ impl Walk {
     }
 
     /// The nodes of the patch nearer to the slave than `reach`, ascending, each with the facet over which it was reached. To be asked
-    /// once after a start.
+    /// once after a start. Returns whether there are no others, however far away.
     pub fn nodes_within(
         &mut self,
         index: &SurfaceIndex<'_>,
         creases: &Creases,
         reach: f64,
         found: &mut Vec<(u32, u32)>,
-    ) {
+    ) -> bool {
         let limit = (reach * reach).to_bits();
         while let Some(&Reverse((nearest, facet))) = self.next.peek()
             && nearest <= limit
@@ -103,14 +103,17 @@ impl Walk {
             self.step_on(index, creases, facet as usize);
         }
         found.clear();
+        let mut is_all = self.next.is_empty();
         for &place in &self.corners {
             let square = self.square_distance(index, place).to_bits();
             let (_, facet, level) = self.reached[place as usize];
+            is_all &= square < limit;
             if square < limit && level <= square {
                 found.push((place, facet));
             }
         }
         found.sort_unstable_by_key(|&(place, _)| place);
+        is_all
     }
 
     /// The facets stepped on since the start. `f` gets each with the question whether a point of it belongs to what was asked for: it is

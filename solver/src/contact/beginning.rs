@@ -113,10 +113,10 @@ fn repeated(interaction: &Interaction, problem: &Problem) -> Option<String> {
 }
 
 impl Beginning {
-    /// Of the slaves of a model's interaction, one of the problem's. The roots of tributary areas are the facets' sizes.
+    /// Of the slaves of a model's interaction, one of the problem's.
     #[must_use]
     pub fn of(interaction: &Interaction, model: &Model, problem: &Problem) -> Self {
-        let is_deep = |node: usize, gap: f64| gap < -DEEP * interaction.tributary_area(node).sqrt();
+        let is_deep = |node: usize, gap: f64| gap < -DEEP * interaction.facet_size_at(node);
         let moved = interaction.slaves().filter(|slave| !slave.is_held);
         let deep = moved.filter(|slave| slave.gap.is_some_and(|gap| is_deep(slave.node, gap)));
         let way = |node: usize| {

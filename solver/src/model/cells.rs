@@ -124,6 +124,9 @@ impl Cells {
     /// The faces of one element only that have nodes in the middle of their edges, with all of their nodes.
     #[must_use]
     pub fn quadratic_faces(&self) -> Vec<QuadraticFace> {
+        if !self.iter().any(|cell| cell.kind.has_middles()) {
+            return Vec::new();
+        }
         let faces = self.outside().filter_map(|(cell, corners)| {
             let nodes: Vec<usize> = cell.kind.nodes_of(corners).into_iter().map(|k| cell.nodes[k]).collect();
             QuadraticFace::new(&nodes)

@@ -138,11 +138,9 @@ impl Motion {
         let (here, there) = (self.translation[axis], other.translation[axis]);
         let translations = here == there && (here == 0.0 || self.amplitude == other.amplitude);
         // A rotation about the axis itself moves nothing along it.
-        let along = |motion: &Self| {
-            let turns = |rotation: &Rotation| (0..3).any(|k| k != axis && rotation.axis[k] != 0.0);
-            motion.rotation.clone().filter(|(rotation, _)| turns(rotation))
-        };
-        translations && along(self) == along(other)
+        let turns = |rotation: &Rotation| (0..3).any(|k| k != axis && rotation.axis[k] != 0.0);
+        let [one, two] = [self, other].map(|own| own.rotation.as_ref().filter(|(own, _)| turns(own)));
+        translations && one == two
     }
 }
 

@@ -1,5 +1,7 @@
 //! Which nodes are prescribed along which axes, and how they move.
 
+use std::collections::HashMap;
+
 use super::Motion;
 
 /// Nodes moved alike: what one `[[boundary]]` of a deck says.
@@ -55,11 +57,17 @@ impl Supports {
     /// The first [`Conflict`].
     pub fn new(nodes: usize, groups: Vec<Support>) -> Result<Self, Conflict> {
         let mut group_of = vec![None; 3 * nodes];
+        // Amplitudes may have many points.
+        let mut known = HashMap::new();
+        let mut agree = |first: usize, second: usize, axis: usize| {
+            let answer = || groups[first].motion.agrees(&groups[second].motion, axis);
+            first == second || *known.entry((first, second, axis)).or_insert_with(answer)
+        };
         for (second, group) in groups.iter().enumerate() {
             for &node in &group.nodes {
                 for axis in (0..3).filter(|&axis| group.axes[axis]) {
                     let first = *group_of[3 * node + axis].get_or_insert(second as u32) as usize;
-                    if !groups[first].motion.agrees(&group.motion, axis) {
+                    if !agree(first, second, axis) {
                         return Err(Conflict { node, axis, first, second });
                     }
                 }

@@ -157,6 +157,17 @@ impl Directory {
         self.remove(self.numbered(|number| number > last || !number.is_multiple_of(every)))
     }
 
+    /// Length of a table, bytes; `None` if it cannot be read.
+    pub fn length(&self, name: &str) -> Option<u64> {
+        fs::metadata(self.path(name)).ok().map(|data| data.len())
+    }
+
+    /// Takes back what was appended to a table of this length, as far as it can be: shortening a file needs no space.
+    pub fn shorten(&self, name: &str, length: Option<u64>) {
+        let Some(length) = length else { return };
+        let _ = OpenOptions::new().write(true).open(self.path(name)).and_then(|table| table.set_len(length));
+    }
+
     /// Pictures and skins whose number is asked for.
     fn numbered(&self, which: impl Fn(usize) -> bool) -> Vec<PathBuf> {
         FOLDERS.iter().flat_map(|folder| self.numbered_in(folder, &which)).collect()

@@ -42,32 +42,18 @@ pub struct WorstNode {
     pub residual: [f64; 3],
 }
 
-impl Failed {
-    /// `committed`: where the increment began.
-    pub(super) fn of(
-        failed: &FailedIncrement<'_>,
-        problem: &Problem,
-        model: &Model,
-        skin: &Skin,
-        options: &RecorderOptions,
-        committed: &State,
-    ) -> Self {
-        let positions = failed.positions;
-        let is_finite = positions.iter().flatten().all(|x| x.is_finite());
-        let frame = is_finite.then(|| {
-            let points = problem.last_points().to_vec();
-            let state = State { positions: positions.to_vec(), points, ..committed.clone() };
-            let mut fields = Fields::of(problem, &state);
-            if options.output.stress {
-                // An element that is inside out has none: then the field is left out.
-                let _ = fields.recover(problem, &state);
-            }
-            let mut frame = skin.frame(committed.increments + 1, failed.end, positions, &fields);
-            frame.fields.retain(|_, values| values.iter().all(|value| value.is_finite()));
-            frame
-        });
+/// An increment that failed, which may be tried again with a shorter one.
+pub(super) struct FailedTry {
+    failed: Failed,
+    /// Where the nodes were left.
+    positions: Vec<[f64; 3]>,
+}
+
+impl FailedTry {
+    /// As far as it changes when the increment is tried again.
+    pub fn of(failed: &FailedIncrement<'_>) -> Self {
         let relative = failed.history.iter().map(|record| record.relative);
-        Self {
+        let failed_so_far = Failed {
             time: failed.end,
             length: failed.length,
             reason: failed.reason.to_string(),
@@ -75,9 +61,35 @@ impl Failed {
                 .map(|residual| Some(residual).filter(|residual| residual.is_finite()))
                 .collect(),
             iterations: failed.history.iter().map(|record| record.iteration).collect(),
-            worst: worst(problem, model, positions),
-            frame,
-        }
+            ..Failed::default()
+        };
+        Self { failed: failed_so_far, positions: failed.positions.to_vec() }
+    }
+
+    /// With its shape and worst nodes, for which it has to be the last evaluation of `problem`. `committed`: where the increment began.
+    pub fn written(
+        self,
+        problem: &Problem,
+        model: &Model,
+        skin: &Skin,
+        options: &RecorderOptions,
+        committed: &State,
+    ) -> Failed {
+        let Self { failed, positions } = self;
+        let is_finite = positions.iter().flatten().all(|x| x.is_finite());
+        let frame = is_finite.then(|| {
+            let points = problem.last_points().to_vec();
+            let state = State { positions: positions.clone(), points, ..committed.clone() };
+            let mut fields = Fields::of(problem, &state);
+            if options.output.stress {
+                // An element that is inside out has none: then the field is left out.
+                let _ = fields.recover(problem, &state);
+            }
+            let mut frame = skin.frame(committed.increments + 1, failed.time, &positions, &fields);
+            frame.fields.retain(|_, values| values.iter().all(|value| value.is_finite()));
+            frame
+        });
+        Failed { worst: worst(problem, model, &positions), frame, ..failed }
     }
 }
 

@@ -5,10 +5,9 @@ use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
 use super::directory::Directory;
+use super::failed::FailedTry;
 use super::saved::{Saved, instructions};
-use super::{
-    Failed, Fields, OutputError, Skin, SkinFrame, SlaveFields, Summary, history, names, picture, points,
-};
+use super::{Fields, OutputError, Skin, SkinFrame, SlaveFields, Summary, history, names, picture, points};
 use crate::contact::{Beginning, Fallbacks, Penetration};
 use crate::deck::{Colour, Output};
 use crate::model::Model;
@@ -55,6 +54,9 @@ impl RecorderOptions {
     }
 }
 
+/// The tables that grow with each increment.
+const TABLES: [&str; 2] = [names::HISTORY, names::ITERATIONS];
+
 /// Someone who watches a run and may stop it.
 pub trait Watcher: Send {
     /// Where nodes that a mesh file joins are not joined in the model, in sentences; told of a run that goes on, too.
@@ -64,6 +66,10 @@ pub trait Watcher: Send {
     /// How the slaves of each interface lie at the start; not told again of a run that goes on.
     fn start(&mut self, interfaces: &[Beginning]) {
         let _ = interfaces;
+    }
+    /// A run goes on: how the slaves of each interface lay at its start, and the most fallbacks since.
+    fn resume(&mut self, interfaces: &[Beginning], fallbacks: &BTreeMap<String, Fallbacks>) {
+        let _ = (interfaces, fallbacks);
     }
     /// A run goes on that began with other vector instructions: the end differs by rounding from that of a run that was not interrupted.
     fn other_instructions(&mut self, before: &str, now: &str) {
@@ -97,7 +103,9 @@ pub struct Recorder<'a> {
     /// How the interfaces lay at the start.
     pub(super) beginnings: Vec<Beginning>,
     /// The last try, if it failed.
-    failed: Option<Failed>,
+    failed: Option<FailedTry>,
+    /// The first picture without stresses, and why; of this run.
+    without_stress: Option<String>,
     /// Deepest penetration and sum of the contact forces at the end of the last increment.
     contact: (f64, [f64; 3]),
     timing: Timing,
@@ -181,7 +189,7 @@ impl<'a> Recorder<'a> {
         let directory = Directory::new(&options.directory);
         directory.clean()?;
         // What was written after this state is taken back.
-        for table in [names::HISTORY, names::ITERATIONS] {
+        for table in TABLES {
             let kept = history::up_to(&directory.path(table), state.increments)?;
             directory.write(table, |writer| writer.write_all(kept.as_bytes()))?;
         }
@@ -198,6 +206,7 @@ impl<'a> Recorder<'a> {
         (recorder.pending, recorder.carried) = (pending, carried);
         (recorder.vanished, recorder.fallbacks, recorder.beginnings) = (vanished, fallbacks, beginnings);
         recorder.penetrations = penetrations;
+        recorder.watcher.resume(&recorder.beginnings, &recorder.fallbacks);
         picture::write_series(&recorder.directory, &recorder.series)?;
         if recorder.directory.path(names::POINTS).exists() {
             recorder.write_point_series()?;
@@ -234,6 +243,7 @@ impl<'a> Recorder<'a> {
             sums: [0; SUMS.len()],
             beginnings: Vec::new(),
             failed: None,
+            without_stress: None,
             contact: (0.0, [0.0; 3]),
             timing: Timing::default(),
             linear_bytes: 0,
@@ -259,8 +269,8 @@ impl<'a> Recorder<'a> {
         &self.state
     }
 
-    /// Writes what is left to write at the end of a run: the last picture, the sampled master surfaces and how it ended. Of
-    /// `problem` only what does not change is asked for: its last evaluation may be of an increment that failed.
+    /// Writes what is left to write at the end of a run: the last picture, the sampled master surfaces and how it ended. The last evaluation
+    /// of `problem` may be of an increment that failed.
     ///
     /// # Errors
     /// [`OutputError::Write`]; those of reading the history that was written.
@@ -274,8 +284,10 @@ impl<'a> Recorder<'a> {
             self.show(slaves.at(problem.start_positions(), &self.state), problem)?;
         }
         self.directory.write_json(&format!("{}/{SURFACES}", names::SKINS), &surfaces)?;
-        if let Some(failed) = &self.failed {
-            self.directory.write_json(names::FAILED, failed)?;
+        if let Some(failed) = self.failed.take() {
+            let Self { model, skin, options, state, .. } = self;
+            self.directory
+                .write_json(names::FAILED, &failed.written(problem, model, skin, options, state))?;
         }
         let run = self.begin.elapsed().as_secs_f64();
         let share = |time: Duration| time.as_secs_f64() / run.max(f64::MIN_POSITIVE);
@@ -310,7 +322,8 @@ impl<'a> Recorder<'a> {
         summary.penetrations.clone_from(&self.penetrations);
         let at_start = self.beginnings.iter().flat_map(Beginning::warnings);
         let of_model = self.model.warnings.iter().cloned();
-        summary.warnings = of_model.chain(at_start).chain(summary.shortcomings()).collect();
+        let of_output = self.without_stress.clone();
+        summary.warnings = of_model.chain(at_start).chain(summary.shortcomings()).chain(of_output).collect();
         summary.linear_bytes = self.linear_bytes;
         summary.contact_share = share(self.timing.contact);
         summary.pairing_share = share(self.timing.pairing);
@@ -325,11 +338,10 @@ impl<'a> Recorder<'a> {
     /// Writes picture and skin of the last state, with its stresses if they are asked for.
     fn show(&mut self, mut fields: Fields, problem: &Problem) -> Result<(), OutputError> {
         let (number, time) = (self.state.increments, self.state.time);
-        if self.options.output.stress {
-            fields.recover(problem, &self.state).map_err(|error| {
-                let path = self.directory.path(&picture::name(number));
-                OutputError::write(&path)(std::io::Error::other(error.to_string()))
-            })?;
+        if self.options.output.stress
+            && let Err(error) = fields.recover(problem, &self.state)
+        {
+            self.without_stress.get_or_insert_with(|| format!("increment {number} has no stresses: {error}"));
         }
         picture::write(&self.directory, number, self.model, &self.model.nodes, &fields)?;
         let frame: SkinFrame = self.skin.frame(number, time, &self.state.positions, &fields);
@@ -373,6 +385,7 @@ impl<'a> Recorder<'a> {
             std::mem::replace(&mut self.fallbacks, fallbacks),
             std::mem::replace(&mut self.penetrations, penetrations),
         );
+        let lengths = TABLES.map(|table| self.directory.length(table));
         let written = self.write_increment(record, problem, is_shown.then_some(fields));
         if let Err(error) = written {
             (self.state, self.pending, self.carried, self.vanished, self.fallbacks, self.penetrations) =
@@ -380,6 +393,9 @@ impl<'a> Recorder<'a> {
             for series in [&mut self.series, &mut self.point_series] {
                 series.retain(|&(known, _)| known <= self.state.increments);
             }
+            // So does what was written of the increment: the files are those of the last state.
+            TABLES.iter().zip(lengths).for_each(|(table, length)| self.directory.shorten(table, length));
+            let _ = self.directory.rewind(self.state.increments, self.options.output.every);
             return Err(error);
         }
         self.max_penetration_ever = self.max_penetration_ever.max(record.max_penetration);
@@ -464,9 +480,8 @@ impl Observer for Recorder<'_> {
         self.watcher.iteration(record);
     }
 
-    fn failed(&mut self, failed: &FailedIncrement<'_>, problem: &Problem) {
-        let Self { model, skin, options, state, .. } = self;
-        self.failed = Some(Failed::of(failed, problem, model, skin, options, state));
+    fn failed(&mut self, failed: &FailedIncrement<'_>) {
+        self.failed = Some(FailedTry::of(failed));
     }
 
     fn cut_back(&mut self, end: f64, length: f64, reason: &Failure) -> Control {

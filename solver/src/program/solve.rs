@@ -189,6 +189,13 @@ impl Watcher for Progress {
         }
     }
 
+    fn resume(&mut self, interfaces: &[Beginning], fallbacks: &BTreeMap<String, Fallbacks>) {
+        for Beginning { interface, slaves, fallbacks: at_start, .. } in interfaces {
+            let most = fallbacks.get(interface).map_or(*at_start, |most| most.max(*at_start));
+            self.fallbacks.insert(interface.clone(), (*slaves, most));
+        }
+    }
+
     fn other_instructions(&mut self, before: &str, now: &str) {
         say(&format!(
             "note: the run was made with {} instructions so far and goes on with {now}: it ends as one without interruption does but for \

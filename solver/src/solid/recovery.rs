@@ -1,8 +1,9 @@
 //! Stresses for output: at the points, and averaged to the nodes.
 
 use nalgebra::Matrix3;
+use rayon::prelude::*;
 
-use super::{Solid, SolidError};
+use super::{Element, Solid, SolidError};
 use crate::material::PointState;
 
 /// What is known of the material at an integration point.
@@ -42,34 +43,46 @@ impl Solid {
     /// Those of [`Solid::evaluate`].
     pub fn recover(&self, positions: &[[f64; 3]], states: &[PointState]) -> Result<Recovery, SolidError> {
         self.check(positions, states)?;
+        let of_piece = |(piece, elements): (usize, &[Element])| {
+            let mut points = Vec::new();
+            for (own, element) in elements.iter().enumerate() {
+                let step = self.step(piece * PIECE + own, positions, states);
+                let found = element.for_each_point(step, |point, pressure| {
+                    let s: Matrix3<f64> = point.answer.kirchhoff() / point.jacobian;
+                    let stress = [
+                        s[(0, 0)] + pressure,
+                        s[(1, 1)] + pressure,
+                        s[(2, 2)] + pressure,
+                        s[(1, 0)],
+                        s[(2, 1)],
+                        s[(2, 0)],
+                    ];
+                    points.push(PointFields::new(stress, point.answer.state.equivalent_plastic_strain));
+                });
+                found.map_err(|error| self.named(error))?;
+            }
+            Ok(points)
+        };
+        let pieces: Vec<Result<_, SolidError>> =
+            self.elements.par_chunks(PIECE).enumerate().map(of_piece).collect();
         let mut points = Vec::with_capacity(states.len());
-        for (index, element) in self.elements.iter().enumerate() {
-            let found = element.for_each_point(self.step(index, positions, states), |point, pressure| {
-                let s: Matrix3<f64> = point.answer.kirchhoff() / point.jacobian;
-                let stress = [
-                    s[(0, 0)] + pressure,
-                    s[(1, 1)] + pressure,
-                    s[(2, 2)] + pressure,
-                    s[(1, 0)],
-                    s[(2, 1)],
-                    s[(2, 0)],
-                ];
-                points.push(PointFields::new(stress, point.answer.state.equivalent_plastic_strain));
-            });
-            found.map_err(|error| self.named(error))?;
+        for piece in pieces {
+            points.append(&mut piece?);
         }
-        let bodies = (0..self.bodies.len()).map(|body| self.average(body, &points)).collect();
+        let bodies = (0..self.bodies.len()).into_par_iter().map(|body| self.average(body, &points)).collect();
         Ok(Recovery { points, bodies })
     }
 
     fn average(&self, body: usize, points: &[PointFields]) -> NodalFields {
-        // Seven sums and a count by node; nodes of other bodies stay empty.
-        let mut sums = vec![([0.0; 7], 0_u32); self.nodes];
+        let own = || self.body(body).flat_map(|index| self.elements[index].nodes());
+        let (Some(&first), Some(&last)) = (own().min(), own().max()) else { return NodalFields::default() };
+        // Seven sums and a count by node; nodes of other bodies between its own stay empty.
+        let mut sums = vec![([0.0; 7], 0_u32); last - first + 1];
         for index in self.body(body) {
             let (element, points) = (&self.elements[index], &points[self.points(index)]);
             let extrapolation = &element.reference().extrapolation;
             for (weights, &node) in extrapolation.iter().zip(element.nodes()) {
-                let (sum, count) = &mut sums[node];
+                let (sum, count) = &mut sums[node - first];
                 *count += 1;
                 for (weight, point) in weights.iter().zip(points) {
                     for k in 0..6 {
@@ -83,7 +96,7 @@ impl Solid {
         for (node, (sum, count)) in sums.into_iter().enumerate().filter(|(_, (_, count))| *count > 0) {
             let mean = sum.map(|value| value / f64::from(count));
             let [stress @ .., plastic] = mean;
-            nodal.nodes.push(node);
+            nodal.nodes.push(first + node);
             nodal.fields.push(PointFields::new(stress, plastic.max(0.0)));
         }
         nodal

@@ -182,7 +182,7 @@ impl Statics {
                     let (reason, history, positions) = (&failure, &history[..], &positions[..]);
                     let failed =
                         FailedIncrement { end, length: end - state.time, reason, history, positions };
-                    observer.failed(&failed, &self.problem);
+                    observer.failed(&failed);
                     if self.cut_back(&mut state, end, iterations, failure, observer)? == Control::Stop {
                         break;
                     }

@@ -23,10 +23,10 @@ pub trait Observer {
         let _ = record;
     }
 
-    /// An increment failed; `problem` holds forces and contacts at its last evaluation. It is told before
-    /// [`cut_back`](Self::cut_back), and when it ends the run.
-    fn failed(&mut self, failed: &FailedIncrement<'_>, problem: &Problem) {
-        let _ = (failed, problem);
+    /// An increment failed. It is told before [`cut_back`](Self::cut_back), and when it ends the run: the problem then holds forces and
+    /// contacts at its last evaluation.
+    fn failed(&mut self, failed: &FailedIncrement<'_>) {
+        let _ = failed;
     }
 
     /// An increment to time `end`, `length` long, failed and is tried again with a shorter one, unless this stops the run or there

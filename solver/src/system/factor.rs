@@ -60,11 +60,8 @@ impl SymmetricFactor {
         };
         let symbolic = factorize_symbolic_cholesky(pattern, Side::Lower, SymmetricOrdering::Amd, parameters)?;
         let size = symbolic.nrows();
-        let mut values = Vec::new();
-        values.try_reserve_exact(symbolic.len_val()).map_err(|_| FaerError::OutOfMemory)?;
-        values.resize(symbolic.len_val(), 0.0);
         Ok(Self {
-            values,
+            values: Vec::new(),
             subdiagonal: vec![0.0; size],
             forward: vec![0; size],
             inverse: vec![0; size],
@@ -73,8 +70,17 @@ impl SymmetricFactor {
         })
     }
 
+    /// Gives the memory of the factors back; their structure stays.
+    pub fn release(&mut self) {
+        self.values = Vec::new();
+        self.workspace = Workspace::default();
+    }
+
     /// Factorises the lower triangle. A singular matrix is no error: [`SymmetricFactor::smallest_pivot`] tells.
     pub fn factorise(&mut self, matrix: SparseColMatRef<'_, u32, f64>, par: Par) -> Result<(), FaerError> {
+        let length = self.symbolic.len_val();
+        self.values.try_reserve_exact(length - self.values.len()).map_err(|_| FaerError::OutOfMemory)?;
+        self.values.resize(length, 0.0);
         let request = self.symbolic.factorize_numeric_intranode_lblt_scratch::<f64>(par, Spec::default());
         self.symbolic.factorize_numeric_intranode_lblt(
             &mut self.values,
@@ -141,6 +147,11 @@ impl GeneralFactor {
     pub fn new(pattern: SymbolicSparseColMatRef<'_, u32>) -> Result<Self, FaerError> {
         let symbolic = factorize_symbolic_lu(pattern, LuSymbolicParams::default())?;
         Ok(Self { symbolic, numeric: NumericLu::new(), workspace: Workspace::default() })
+    }
+
+    /// Gives the memory of the factors back; their structure stays.
+    pub fn release(&mut self) {
+        (self.numeric, self.workspace) = (NumericLu::new(), Workspace::default());
     }
 
     pub fn factorise(&mut self, matrix: SparseColMatRef<'_, u32, f64>, par: Par) -> Result<(), LuError> {

@@ -190,6 +190,8 @@ impl DirectSolver {
         let Some(structure) = &self.structure else { unreachable!("it was made before its factors") };
         let equations = structure.equations.len();
         let too_large = SystemError::TooLarge { equations };
+        // There need not be memory for both.
+        self.general.iter_mut().for_each(GeneralFactor::release);
         let factor = match &mut self.symmetric {
             Some(factor) => factor,
             none => none.insert(SymmetricFactor::new(structure.symbolic()).map_err(|_| too_large)?),
@@ -219,6 +221,7 @@ impl DirectSolver {
         let Some(structure) = &self.structure else { unreachable!("it was made before its factors") };
         let equations = structure.equations.len();
         let too_large = SystemError::TooLarge { equations };
+        self.symmetric.iter_mut().for_each(SymmetricFactor::release);
         let factor = match &mut self.general {
             Some(factor) => factor,
             none => none.insert(GeneralFactor::new(structure.symbolic()).map_err(|_| too_large)?),

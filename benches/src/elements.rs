@@ -21,25 +21,12 @@ const DRAWS: usize = 20;
 
 /// Why there are no elements.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[allow(missing_docs)] // The messages say what the fields are.
 pub enum ElementsError {
-    /// A fit of second degree needs more nodes.
     #[error("{nodes} master nodes: the quadratic basis needs at least {}", Basis::Quadratic.size())]
-    TooFewNodes {
-        /// What was asked for.
-        nodes: usize,
-    },
-    /// Too many of the patches drawn have no gap.
+    TooFewNodes { nodes: usize },
     #[error("of {drawn} patches with {nodes} master nodes only {found} have a gap, {wanted} are wanted")]
-    TooFewSound {
-        /// Master nodes.
-        nodes: usize,
-        /// Patches drawn.
-        drawn: usize,
-        /// Those with a gap.
-        found: usize,
-        /// What was asked for.
-        wanted: usize,
-    },
+    TooFewSound { nodes: usize, drawn: usize, found: usize, wanted: usize },
 }
 
 /// Elements with the same number of master nodes, all of which have a gap.

@@ -42,48 +42,21 @@ impl Default for Plan {
 
 /// Why nothing was measured.
 #[derive(Debug, thiserror::Error)]
+#[allow(missing_docs)] // The messages say what the fields are.
 pub enum MeasureError {
-    /// There is no round.
     #[error("a median takes at least one round")]
     NoRounds,
-    /// There is no contender.
     #[error("no kernel has a name with {}; there are {}", .asked.join(" or "), .known.join(", "))]
-    NoContender {
-        /// What was asked for.
-        asked: Vec<String>,
-        /// The names.
-        known: Vec<&'static str>,
-    },
-    /// There are no elements.
+    NoContender { asked: Vec<String>, known: Vec<&'static str> },
     #[error(transparent)]
     Elements(#[from] ElementsError),
-    /// A contender fails on an element.
     #[error("{kernel}, {nodes} nodes: {reason}")]
-    NoResult {
-        /// The contender.
-        kernel: &'static str,
-        /// Master nodes.
-        nodes: usize,
-        /// Which element.
-        reason: NoResult,
-    },
-    /// A contender computes something else.
+    NoResult { kernel: &'static str, nodes: usize, reason: NoResult },
+    /// A contender computes something else. `difference` is relative to the generated kernel.
     #[error(
         "{kernel}, {nodes} nodes, element {element}: {what} differs by {difference:e}, bound {TOLERANCE:e}"
     )]
-    Disagreement {
-        /// The contender.
-        kernel: &'static str,
-        /// Master nodes.
-        nodes: usize,
-        /// The element.
-        element: usize,
-        /// Value, gradient or Hessian.
-        what: &'static str,
-        /// Relative difference from the generated kernel.
-        difference: f64,
-    },
-    /// No thread can be started.
+    Disagreement { kernel: &'static str, nodes: usize, element: usize, what: &'static str, difference: f64 },
     #[error("no thread to measure in: {0}")]
     Thread(std::io::Error),
 }

@@ -33,30 +33,17 @@ impl Default for SetArguments {
     }
 }
 
-/// Why a mesh has no two surfaces that can touch.
+/// Why a mesh has no two surfaces that can touch. `mesh` is the file, or the name of the shipped mesh.
 #[derive(Debug, thiserror::Error)]
 pub enum ContactMeshError {
     /// The mesh file cannot be read or is not a mesh this program knows.
     #[error(transparent)]
     Mesh(Box<MeshError>),
-    /// The mesh lacks a set that was asked for.
     #[error("{mesh}: {reason}")]
-    Set {
-        /// The file, or the name of the shipped mesh.
-        mesh: String,
-        /// What the mesh says.
-        reason: Box<MeshError>,
-    },
-    /// A set of the mesh cannot serve in a contact interface.
+    Set { mesh: String, reason: Box<MeshError> },
+    /// A set of the mesh cannot serve in a contact interface. The reason names facets and nodes as the file does.
     #[error("{mesh}: set \"{set}\": {reason}")]
-    Interface {
-        /// The file, or the name of the shipped mesh.
-        mesh: String,
-        /// The set.
-        set: String,
-        /// Why not, with facets and nodes named as in the file.
-        reason: String,
-    },
+    Interface { mesh: String, set: String, reason: String },
 }
 
 impl From<ContactMeshError> for CliError {

@@ -2,29 +2,13 @@
 
 use crate::error::CliError;
 
-/// A file without meaning.
+/// A file, or `standard input`, without meaning.
 #[derive(Debug, thiserror::Error)]
 pub enum ContentError {
-    /// A list of master nodes is too short for any basis.
     #[error("{file}: {place}: {found} nodes, but a surface needs at least 3")]
-    TooFewMasters {
-        /// The file, or `standard input`.
-        file: String,
-        /// The field that lists them.
-        place: String,
-        /// Their number.
-        found: usize,
-    },
-    /// A field has no meaning beside another one.
+    TooFewMasters { file: String, place: String, found: usize },
     #[error("{file}: {place}: has no meaning {beside}")]
-    MeaninglessField {
-        /// The file, or `standard input`.
-        file: String,
-        /// The field.
-        place: String,
-        /// Beside what.
-        beside: &'static str,
-    },
+    MeaninglessField { file: String, place: String, beside: &'static str },
 }
 
 impl From<ContentError> for CliError {

@@ -25,27 +25,13 @@ pub const LABORATORY: Program =
 /// Why a job of another program is not done.
 #[derive(Debug, thiserror::Error)]
 pub enum ElsewhereError {
-    /// There is no such program.
     #[error(
         "`{job}` is a job of the program {name}, which is neither beside this one nor on the PATH; \
          cargo build --release -p {package} builds it"
     )]
-    Missing {
-        /// What was asked for.
-        job: String,
-        /// Whose job it is.
-        name: &'static str,
-        /// What the program is built from.
-        package: &'static str,
-    },
-    /// It cannot be run.
+    Missing { job: String, name: &'static str, package: &'static str },
     #[error("{}: cannot be run: {reason}", path.display())]
-    Run {
-        /// Its file.
-        path: PathBuf,
-        /// What the system says.
-        reason: std::io::Error,
-    },
+    Run { path: PathBuf, reason: std::io::Error },
 }
 
 impl From<ElsewhereError> for CliError {

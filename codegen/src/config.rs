@@ -17,6 +17,7 @@ use crate::model::{
 /// `Debug` prints the same text as `Display`: it is what one sees of an error that `main` of a build script returns.
 #[derive(thiserror::Error)]
 #[non_exhaustive]
+#[allow(missing_docs)] // The messages say what the fields are.
 pub enum ConfigError {
     /// A weight is not usable.
     #[error(transparent)]
@@ -26,78 +27,41 @@ pub enum ConfigError {
     Basis(#[from] BasisError),
     /// The formulas of an element are not usable.
     #[error("the element \"{element}\": {source}")]
-    Element {
-        /// The element's name.
-        element: String,
-        /// What is wrong, with the name of the expression.
-        source: ElementError,
-    },
+    Element { element: String, source: ElementError },
     /// An element has the name of another one or of a weight.
     #[error("two modules are named \"{name}\", one of them of an element")]
-    DuplicateElement {
-        /// The name.
-        name: String,
-    },
+    DuplicateElement { name: String },
     /// Two constants of the C header have one name: names of residuals that differ in the case of letters only, or that are joined alike.
     #[error("two constants of the C header are named {name}; change the name of an element or of a residual")]
-    DuplicateConstant {
-        /// The name.
-        name: String,
-    },
+    DuplicateConstant { name: String },
     /// Two tests are of one element.
     #[error("the element \"{name}\" has two tests; give it one")]
-    DuplicateTest {
-        /// The element's name.
-        name: String,
-    },
+    DuplicateTest { name: String },
     /// Two bases have one name.
     #[error("two bases are named \"{name}\"")]
-    DuplicateBasis {
-        /// The name.
-        name: String,
-    },
+    DuplicateBasis { name: String },
     /// Two weights have one name.
     #[error("two weights are named \"{name}\"")]
-    DuplicateWeight {
-        /// The name.
-        name: String,
-    },
-    /// Weights whose formulas make a function that rustc has no stack for.
+    DuplicateWeight { name: String },
+    /// Weights whose formulas make a function that rustc has no stack for. `weight` is the weight's name; of weights that share kernels all
+    /// names, with `_or_` between them.
     #[error(
         "the weight \"{weight}\" is too long: its function {function} would have {statements} statements, at most \
          {MOST_STATEMENTS} can be compiled; shorten the formula, or do without `share_kernels` if several share the function"
     )]
-    WeightTooLong {
-        /// The weight's name; of weights that share kernels all names, with `_or_` between them.
-        weight: String,
-        /// The function.
-        function: String,
-        /// Its statements.
-        statements: usize,
-    },
+    WeightTooLong { weight: String, function: String, statements: usize },
     /// A test of an element that there is not.
     #[error("there is no element \"{name}\" to be tested")]
-    UnknownElement {
-        /// The name.
-        name: String,
-    },
+    UnknownElement { name: String },
     /// The path of the support module is not a Rust path.
     #[error("\"{path}\" is not a Rust path")]
-    SupportPath {
-        /// The path given.
-        path: String,
-    },
+    SupportPath { path: String },
     /// `OUT_DIR` is not set and no output folder was given.
     #[error("OUT_DIR is not set: call this from a build script, or give an output folder")]
     NoOutputFolder,
     /// The file could not be written.
     #[error("cannot write {}: {source}", .path.display())]
-    Write {
-        /// The file.
-        path: PathBuf,
-        /// The system's reason.
-        source: std::io::Error,
-    },
+    Write { path: PathBuf, source: std::io::Error },
 }
 
 impl fmt::Debug for ConfigError {

@@ -86,38 +86,20 @@ pub const fn frame_name(frame: FrameRule) -> &'static str {
 /// Why there is no such kernel.
 #[derive(Debug, thiserror::Error)]
 pub enum EmitError {
-    /// Fewer nodes were asked for than the fit has coefficients.
     #[error("--nodes {nodes}: the {} basis needs at least {} master nodes", basis.name(), basis.size())]
-    TooFewNodes {
-        /// What was asked for.
-        nodes: String,
-        /// The basis.
-        basis: Basis,
-    },
-    /// A number of nodes is missing.
+    TooFewNodes { nodes: String, basis: Basis },
     #[error("--nodes: for how many master nodes are operations to be counted?")]
     NoNodes,
     /// Second derivatives of several quantities, in C.
     #[error("--lang c: there is no kernel for {} hessian; derivatives of it are first ones", output.name())]
-    NoHessian {
-        /// What is computed.
-        output: Output,
-    },
-    /// A moving frame was asked for where it makes no difference.
+    NoHessian { output: Output },
     #[error(
         "--frame-derivative {}: there is no such kernel for {} {}, only for gap and slip",
         frame_name(*frame),
         output.name(),
         mode.name()
     )]
-    NoMovingFrame {
-        /// What the frame does.
-        frame: FrameRule,
-        /// What is computed.
-        output: Output,
-        /// With how many derivatives.
-        mode: Mode,
-    },
+    NoMovingFrame { frame: FrameRule, output: Output, mode: Mode },
 }
 
 impl From<EmitError> for CliError {

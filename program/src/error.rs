@@ -10,99 +10,39 @@ use diffuse_contact_mesh::names::{escaped, shown};
 
 /// Why the program stops. The text is the sentence the user reads after `error: `.
 #[derive(Debug, thiserror::Error)]
+#[allow(missing_docs)] // The messages say what the fields are.
 pub enum CliError {
-    /// The output file is the input file.
     #[error("{}: is the input file; give another name for the output", path.display())]
-    OutputIsInput {
-        /// The file.
-        path: PathBuf,
-    },
-    /// Two results would be one file.
+    OutputIsInput { path: PathBuf },
     #[error("{}: is to hold two results; give another name for one of them", path.display())]
-    OutputIsOutput {
-        /// The file.
-        path: PathBuf,
-    },
-    /// A VTU file would have the name of another kind of file.
+    OutputIsOutput { path: PathBuf },
     #[error("{}: the output is a VTU file, for ParaView; give it a name that ends with .vtu", path.display())]
-    NoGrid {
-        /// The file.
-        path: PathBuf,
-    },
-    /// A page would replace another file.
+    NoGrid { path: PathBuf },
     #[error("{}: is no page, and is not replaced by one; give another name for the output", path.display())]
-    NoPage {
-        /// The file.
-        path: PathBuf,
-    },
-    /// An input file cannot be read.
+    NoPage { path: PathBuf },
     #[error("{}: cannot be read: {}", path.display(), reason_of(reason))]
-    Read {
-        /// The file.
-        path: PathBuf,
-        /// What the system says.
-        reason: io::Error,
-    },
-    /// The JSON text does not follow the schema.
+    Read { path: PathBuf, reason: io::Error },
+    /// The JSON text does not follow the schema. `file` is `standard input` if there is none; line and column count from 1.
     #[error("{file}, line {line}, column {column}: {what}")]
-    Json {
-        /// The file, or `standard input`.
-        file: String,
-        /// Line, counted from 1.
-        line: usize,
-        /// Column, counted from 1.
-        column: usize,
-        /// The field, if it is known, and what is wrong with it.
-        what: String,
-    },
-    /// An output file cannot be written.
+    Json { file: String, line: usize, column: usize, what: String },
     #[error("{}: cannot be written: {}", path.display(), reason_of(reason))]
-    Write {
-        /// The file.
-        path: PathBuf,
-        /// What the system says.
-        reason: io::Error,
-    },
-    /// The directory of an output file does not exist.
+    Write { path: PathBuf, reason: io::Error },
     #[error("{}: cannot be written: there is no directory {}", path.display(), directory.display())]
-    NoDirectory {
-        /// The file.
-        path: PathBuf,
-        /// Its directory.
-        directory: PathBuf,
-    },
-    /// Standard output cannot be written.
+    NoDirectory { path: PathBuf, directory: PathBuf },
     #[error("standard output cannot be written: {}", reason_of(.0))]
     Stdout(io::Error),
-    /// An option has no meaning beside another one.
     #[error("{option} has no meaning beside {beside}")]
-    MeaninglessOption {
-        /// The option.
-        option: &'static str,
-        /// Beside what.
-        beside: &'static str,
-    },
+    MeaninglessOption { option: &'static str, beside: &'static str },
     /// So many threads cannot be started.
     #[error("--threads {threads}: {}", plain_text(&reason.to_string()))]
-    Threads {
-        /// What was asked for.
-        threads: usize,
-        /// What the system says.
-        reason: rayon::ThreadPoolBuildError,
-    },
-    /// The environment asks for vector instructions that there are not.
+    Threads { threads: usize, reason: rayon::ThreadPoolBuildError },
     #[error(
         "DIFFUSE_CONTACT_ISA: this program has no kernels for {:?} on this machine; it has {}{}",
         shown(name),
         available.join(", "),
         advice(name)
     )]
-    NoInstructions {
-        /// What was asked for.
-        name: String,
-        /// What there is.
-        available: Vec<&'static str>,
-    },
+    NoInstructions { name: String, available: Vec<&'static str> },
     /// What the job itself says.
     #[error(transparent)]
     Job(Box<dyn Error + Send + Sync>),

@@ -5,21 +5,14 @@ use diffuse_contact_kernels::support::{PIVOT_TOLERANCE, Status};
 /// Every reason for which an element yields no numbers. Each carries the figures that led to it.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
+#[allow(missing_docs)] // The messages say what the fields are.
 pub enum ElementError {
     /// Fewer master nodes than the basis has coefficients.
     #[error("{found} master nodes, but the basis needs at least {needed}")]
-    TooFewNodes {
-        /// Number of master nodes given.
-        found: usize,
-        /// Number of coefficients of the basis.
-        needed: usize,
-    },
+    TooFewNodes { found: usize, needed: usize },
     /// More master nodes than 32-bit indices can name.
     #[error("{found} master nodes are more than a search tree can name")]
-    TooManyNodes {
-        /// Number of master nodes given.
-        found: usize,
-    },
+    TooManyNodes { found: usize },
     /// The kernels were generated without coefficients and surfaces: the Cargo feature `fit`, or `Config::fit` for a weight of one's own.
     #[error(
         "coefficients and surfaces are not compiled in: build with the Cargo feature `fit`, a weight of one's own with `Config::fit`"
@@ -32,172 +25,100 @@ pub enum ElementError {
     NoFrictionKernels,
     /// The backend has no kernels for the basis.
     #[error("there are no kernels for the basis \"{basis}\": generate them with `Config::basis`")]
-    NoKernels {
-        /// Name of the basis.
-        basis: &'static str,
-    },
+    NoKernels { basis: &'static str },
     /// A frame cannot move with the average plane if the basis depends on the in-plane directions.
     #[error(
         "the basis \"{basis}\" depends on the directions t1 and t2, which a co-moving frame does not have: hold the frame"
     )]
-    AnisotropicBasis {
-        /// Name of the basis.
-        basis: &'static str,
-    },
-    /// A coordinate or parameter is NaN or infinite.
+    AnisotropicBasis { basis: &'static str },
+    /// A coordinate or parameter is NaN or infinite. `what` is `"slave"`, `"master"` or the name of a parameter; `index` counts from 0.
     #[error("{what} {index} has a coordinate that is not a finite number")]
-    NonFiniteInput {
-        /// `"slave"` or `"master"` or the name of a parameter.
-        what: &'static str,
-        /// Which one, counted from 0.
-        index: usize,
-    },
+    NonFiniteInput { what: &'static str, index: usize },
     /// The support radius is not a positive finite number.
     #[error("the support radius must be positive and finite, not {value}")]
-    InvalidSupportRadius {
-        /// The radius given.
-        value: f64,
-    },
+    InvalidSupportRadius { value: f64 },
     /// The radius of a node's domain of influence is not a positive finite number.
     #[error("the domain of master {index} must have a positive and finite radius, not {value}")]
-    InvalidDomain {
-        /// Index of the master node.
-        index: usize,
-        /// The radius given.
-        value: f64,
-    },
+    InvalidDomain { index: usize, value: f64 },
     /// There is not one domain of influence for each master node.
     #[error("{found} radii of domains for {expected} master nodes")]
-    WrongNumberOfDomains {
-        /// Radii given.
-        found: usize,
-        /// Master nodes.
-        expected: usize,
-    },
+    WrongNumberOfDomains { found: usize, expected: usize },
     /// Domains of influence in the first configuration need a frame that moves with the average plane.
     #[error("domains of influence in the first configuration need a frame that moves with the average plane")]
     HeldFrame,
     /// Coefficients and surfaces have no kernels for domains of influence in the first configuration.
     #[error("coefficients and surfaces cannot be had with domains of influence in the first configuration")]
     MaterialDomains,
-    /// The slave's place in the first configuration is not a root of its equations, or their iteration does not converge.
+    /// The slave's place in the first configuration is not a root of its equations, or their iteration does not converge. `deviation` is
+    /// the iteration's next step over the size of the smallest domain that it leads through.
     #[error("the slave's place in the first configuration is off its equations by {deviation:e} of a domain")]
-    NotMaterialPlace {
-        /// The next step of the iteration over the size of the smallest domain that it leads through.
-        deviation: f64,
-    },
+    NotMaterialPlace { deviation: f64 },
     /// The reach of the average plane's weights is not above 0 and at most 1.
     #[error("the reach of the average plane must be above 0 and at most 1, not {value}")]
-    InvalidReach {
-        /// The reach given.
-        value: f64,
-    },
-    /// The frame's vectors are not orthonormal.
+    InvalidReach { value: f64 },
+    /// The frame's vectors are not orthonormal. `deviation` is the largest entry of |Q Qᵀ − I|.
     #[error("the frame is not orthonormal: its Gram matrix differs from the identity by {deviation:e}")]
-    InvalidFrame {
-        /// Largest entry of |Q Qᵀ − I|.
-        deviation: f64,
-    },
+    InvalidFrame { deviation: f64 },
     /// The outward direction is missing where it is needed, zero, or lies in the average plane.
     #[error(
         "the outward direction does not tell the sides of the plane apart: its cosine with the normal is {cosine:e}"
     )]
-    AmbiguousOutward {
-        /// Cosine of the angle between the outward direction and the plane's normal.
-        cosine: f64,
-    },
+    AmbiguousOutward { cosine: f64 },
     /// The master nodes lie (nearly) on a line or a point, or are as thick as they are wide.
     #[error(
         "the master nodes have no average plane: the two smallest principal moments are {smallest:e} and {middle:e} of the largest"
     )]
-    NoAveragePlane {
-        /// Smallest principal moment over the largest.
-        smallest: f64,
-        /// Middle principal moment over the largest.
-        middle: f64,
-    },
+    NoAveragePlane { smallest: f64, middle: f64 },
     /// A frame that is to move with the average plane of the masters is not that plane.
     #[error(
         "the frame is co-moving but not the average plane of the masters: its normal is about {angle:e} rad off"
     )]
-    NotAveragePlane {
-        /// Angle between the normals, roughly.
-        angle: f64,
-    },
-    /// The average plane, whose motion is differentiated, is not unique to working precision.
+    NotAveragePlane { angle: f64 },
+    /// The average plane, whose motion is differentiated, is not unique to working precision. `pivot_ratio` is the smallest pivot of
+    /// ∂²E/∂θ∂θ, E = Σ (n·(x_i − x̄))²/2, over the diagonal entry it came from.
     #[error(
         "the average plane is not unique: smallest relative pivot {pivot_ratio:e} of the equations for its turn"
     )]
-    UnstableAveragePlane {
-        /// Smallest pivot of ∂²E/∂θ∂θ, E = Σ (n·(x_i − x̄))²/2, over the diagonal entry it came from.
-        pivot_ratio: f64,
-    },
-    /// The moment matrix A of (13) is singular to working precision: the nodes that carry weight lie on one
-    /// conic (quadratic basis) or on one line (linear basis).
+    UnstableAveragePlane { pivot_ratio: f64 },
+    /// The moment matrix A of (13) is singular to working precision: the nodes that carry weight lie on one conic (quadratic basis) or on
+    /// one line (linear basis). `pivot_ratio` is the smallest pivot of the Cholesky factorisation relative to the diagonal of the basis
+    /// functions of its degree; 0 if there is none.
     #[error("the fit is singular: smallest relative pivot {pivot_ratio:e}, tolerance {tolerance:e}")]
-    SingularFit {
-        /// Smallest pivot of the Cholesky factorisation relative to the diagonal of the basis functions of its degree;
-        /// 0 if there is none.
-        pivot_ratio: f64,
-        /// The bound it has to exceed.
-        tolerance: f64,
-    },
-    /// Newton's iteration for the foot point did not converge.
+    SingularFit { pivot_ratio: f64, tolerance: f64 },
+    /// Newton's iteration for the foot point did not converge. `residual` is the largest component of the foot residual, relative to the
+    /// starting residual or the support radius, whichever is larger.
     #[error("the foot point did not converge: relative residual {residual:e} after {iterations} iterations")]
-    FootDiverged {
-        /// Largest component of the foot residual, relative to the starting residual or the support radius,
-        /// whichever is larger.
-        residual: f64,
-        /// Iterations made.
-        iterations: usize,
-    },
-    /// The foot point lies outside the domain of influence, where the fit extrapolates.
+    FootDiverged { residual: f64, iterations: usize },
+    /// The foot point lies outside the domain of influence, where the fit extrapolates. `distance` is measured in the plane.
     #[error(
         "the foot point lies {distance:.6} support radii from the slave's projection, outside the domain of influence"
     )]
-    FootOutside {
-        /// In-plane distance of the foot from the slave's projection over the support radius.
-        distance: f64,
-    },
-    /// The foot is a stationary point of the distance, but not the nearest: the slave is farther from a concave surface than a
-    /// centre of its curvature.
+    FootOutside { distance: f64 },
+    /// The foot is a stationary point of the distance, but not the nearest: the slave is farther from a concave surface than a centre of
+    /// its curvature. The figures are those of the Jacobian J of the foot's equations; −J is positive definite where the foot is the
+    /// nearest point around it.
     #[error(
         "the slave lies beyond a centre of curvature of the surface: the foot's Jacobian has determinant {determinant:e} and trace {trace:e}"
     )]
-    BeyondCentreOfCurvature {
-        /// Determinant of the foot equations' Jacobian J.
-        determinant: f64,
-        /// Its trace; −J is positive definite where the foot is the nearest point around it.
-        trace: f64,
-    },
-    /// The slave lies on a centre of curvature of the surface: the foot point is not unique. For a facet also: beyond one,
-    /// where the foot is no minimum of the distance.
+    BeyondCentreOfCurvature { determinant: f64, trace: f64 },
+    /// The slave lies on a centre of curvature of the surface: the foot point is not unique. For a facet also: beyond one, where the foot
+    /// is no minimum of the distance. `determinant` is that of the foot equations' Jacobian: 1 + f_1² + f_2² ≥ 1 on a flat surface, 1 on a
+    /// flat facet.
     #[error(
         "the slave lies on or beyond a centre of curvature of the surface: Jacobian determinant {determinant:e}"
     )]
-    CentreOfCurvature {
-        /// Determinant of the foot equations' Jacobian: 1 + f_1² + f_2² ≥ 1 on a flat surface, 1 on a flat facet.
-        determinant: f64,
-    },
+    CentreOfCurvature { determinant: f64 },
     /// A facet that is neither a triangle nor a quadrilateral.
     #[error("a facet has 3 or 4 corners, not {found}")]
-    FacetCorners {
-        /// Number of corners given.
-        found: usize,
-    },
-    /// A facet without area, folded or not convex (corners coincide, lie on a line or are out of order), or a foot where
-    /// the facet's extension is folded.
+    FacetCorners { found: usize },
+    /// A facet without area, folded or not convex (corners coincide, lie on a line or are out of order), or a foot where the facet's
+    /// extension is folded. `area` is the smallest area element, relative to the square of the facet's size and to its direction at the
+    /// centre.
     #[error("the facet is degenerate: its area element at a corner or at the foot is {area:e} of a square's")]
-    DegenerateFacet {
-        /// Smallest area element, relative to the square of the facet's size and to its direction at the centre.
-        area: f64,
-    },
+    DegenerateFacet { area: f64 },
     /// The numbers overflowed although the input was finite (coordinates beyond about 1e75 support radii).
     #[error("the result overflows: a {what} is not a finite number")]
-    Overflow {
-        /// What was not finite.
-        what: &'static str,
-    },
+    Overflow { what: &'static str },
 }
 
 impl ElementError {

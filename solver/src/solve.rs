@@ -55,8 +55,8 @@ impl SolveOptions {
 /// Why there are no results, or none to the end.
 #[derive(Debug, Error)]
 #[non_exhaustive]
+#[allow(missing_docs)] // The messages say what the fields are.
 pub enum SolveError {
-    /// The deck.
     #[error(transparent)]
     Deck(#[from] DeckError),
     /// Elements or materials.
@@ -65,21 +65,11 @@ pub enum SolveError {
     /// Settings, or the state of a restart.
     #[error(transparent)]
     Statics(#[from] StaticsError),
-    /// Results.
     #[error(transparent)]
     Output(#[from] OutputError),
     /// The run ended before the end of time; all increments before are on disk.
     #[error("{reason}; finished increments: {increments}, up to time {}, in {}", ShownTime(*time), out.display())]
-    EndedEarly {
-        /// Why.
-        reason: String,
-        /// Where the results are.
-        out: PathBuf,
-        /// How many increments.
-        increments: usize,
-        /// The time they reach.
-        time: f64,
-    },
+    EndedEarly { reason: String, out: PathBuf, increments: usize, time: f64 },
 }
 
 /// Why a run that was stopped has not reached the end of time.

@@ -90,55 +90,44 @@ const NUMBERS_OF_ENTRY: usize = 4;
 /// Why an element that follows the schema has no result.
 #[derive(Debug, thiserror::Error)]
 enum Refusal {
-    /// The element itself says so.
     #[error(transparent)]
     Element(#[from] ElementError),
     /// The average plane has two sides and nothing tells them apart.
     #[error("`outward` is missing: it tells which side of the average plane is outside")]
     MissingOutward,
-    /// Only the average plane moves with the nodes.
     #[error(
         "`frame_derivative` cannot be \"co-moving\" with a given frame, which does not move with the nodes: leave it \
          out or take \"held\", or leave out `frame` for the average plane"
     )]
     CoMovingGivenFrame,
-    /// Half of the domains' description.
     #[error(
         "`{missing}` is missing: domains in the first configuration need `first_positions` and `metrics`, one for each master"
     )]
     IncompleteDomains { missing: &'static str },
-    /// Two kinds of domains.
     #[error(
         "`{field}` cannot be given with `first_positions`: the metrics say how far the domains reach; leave out one of them"
     )]
     RadiusWithDomains { field: &'static str },
-    /// Not one for each master.
     #[error("`{field}` has {found} entries for {expected} masters")]
     WrongNumberOfDomains { field: &'static str, found: usize, expected: usize },
     /// The search for the place failed: too few domains hold it.
     #[error("the slave has no place in the first configuration among these domains: {0}")]
     NoPlace(ElementError),
-    /// The matrix is not that of an ellipsoid.
     #[error("`metrics[{index}]` is no ellipsoid: the matrix has to be {property}")]
     InvalidMetric { index: usize, property: &'static str },
-    /// More masters than matrices are made of.
     #[error(
         "an element can have {MOST_MASTERS} masters at most, not {found}: its matrices have the square of their number; take those around \
          the slave, which `neighbours` finds"
     )]
     TooManyMasters { found: usize },
-    /// The system grants no memory for the matrices.
     #[error("there is no memory for the matrices of {masters} masters, about {megabytes} MB")]
     NoMemory { masters: usize, megabytes: usize },
-    /// Friction of what slips from nowhere.
     #[error(
         "`anchor` is missing: friction acts against the slip from an anchor; the foot of first touch is one"
     )]
     FrictionWithoutAnchor,
-    /// The law is none.
     #[error(transparent)]
     Friction(#[from] FrictionError),
-    /// The penalty is not positive.
     #[error("the penalty must be positive, not {value}")]
     InvalidPenalty { value: f64 },
 }

@@ -27,44 +27,31 @@ pub struct CustomBasis {
     monomials: &'static [(u8, u8)],
 }
 
-/// Why monomials do not make a basis.
+/// Why monomials do not make a basis. Monomials are given by their exponents of a and b.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
+#[allow(missing_docs)] // The messages say what the fields are.
 pub enum BasisError {
     /// The name cannot name a Rust module, or is that of a built-in basis.
     #[error(
         "\"{name}\" cannot name a basis: use lower-case letters, digits and _, a letter first, no keyword, not \"quadratic\" or \"linear\""
     )]
-    Name {
-        /// The name given.
-        name: String,
-    },
+    Name { name: String },
     /// The basis does not begin with 1, a, b.
     #[error("a basis begins with the monomials (0, 0), (1, 0), (0, 1)")]
     NotLinear,
     /// A monomial has too high a degree.
     #[error("a^{} b^{} has a degree above {MOST_DEGREE}", .monomial.0, .monomial.1)]
-    Degree {
-        /// Exponents of a and b.
-        monomial: (u8, u8),
-    },
+    Degree { monomial: (u8, u8) },
     /// Monomials are not in the order of their degrees, or one is there twice.
     #[error("a^{} b^{} comes after a monomial of higher degree, or twice", .monomial.0, .monomial.1)]
-    Order {
-        /// Exponents of a and b.
-        monomial: (u8, u8),
-    },
+    Order { monomial: (u8, u8) },
     /// A derivative of a monomial is missing, so that the fit would depend on where the basis has its origin.
     #[error(
         "a^{} b^{} is in the basis, but its derivative a^{} b^{} is not",
         .monomial.0, .monomial.1, .derivative.0, .derivative.1
     )]
-    Derivative {
-        /// Exponents of the monomial.
-        monomial: (u8, u8),
-        /// Exponents of the derivative.
-        derivative: (u8, u8),
-    },
+    Derivative { monomial: (u8, u8), derivative: (u8, u8) },
 }
 
 /// Highest degree of a monomial.

@@ -41,83 +41,49 @@ pub(super) enum NodeWeight<'g> {
 /// Why a formula cannot serve as a weight.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
+#[allow(missing_docs)] // The messages say what the fields are.
 pub enum WeightError {
     /// The formula cannot be read.
     #[error(transparent)]
     Formula(#[from] FormulaError),
     /// The weight has a kink at r = 0, where it must be differentiable.
     #[error("the weight \"{formula}\" has a kink at r = 0: its slope there is {slope}, not 0")]
-    Kink {
-        /// The formula.
-        formula: String,
-        /// w'(0).
-        slope: f64,
-    },
+    Kink { formula: String, slope: f64 },
     /// The weight has no expansion at r = 0.
     #[error(
         "the weight \"{formula}\" is not smooth at r = 0: coefficient {order} of its expansion is {value}"
     )]
-    NotSmooth {
-        /// The formula.
-        formula: String,
-        /// Order of the coefficient.
-        order: usize,
-        /// The coefficient.
-        value: f64,
-    },
+    NotSmooth { formula: String, order: usize, value: f64 },
     /// The weight is not a positive number somewhere in 0 ≤ r < 1.
     #[error("the weight \"{formula}\" must be positive for 0 <= r < 1, but is {value} at r = {r}")]
-    NotPositive {
-        /// The formula.
-        formula: String,
-        /// Where.
-        r: f64,
-        /// The value there.
-        value: f64,
-    },
+    NotPositive { formula: String, r: f64, value: f64 },
     /// A weight to be made interpolating is not 1 at r = 0, or is not below 1 elsewhere.
     #[error(
         "the weight \"{formula}\" cannot be made interpolating: it is {value} at r = {r}, but has to be 1 at r = 0 and below 1 \
          elsewhere"
     )]
-    NotInterpolating {
-        /// The formula.
-        formula: String,
-        /// Where.
-        r: f64,
-        /// The value there.
-        value: f64,
-    },
+    NotInterpolating { formula: String, r: f64, value: f64 },
     /// The name cannot name a Rust module and a kernel set.
     #[error(
         "\"{name}\" cannot name a module and its kernel set: use lower-case letters, digits and _, a letter first, no \
          keyword, and no name of the support module"
     )]
-    Name {
-        /// The name given.
-        name: String,
-    },
+    Name { name: String },
 }
 
 /// What is to be known of a weight that can be used.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
+#[allow(missing_docs)] // The messages say what the fields are.
 pub enum WeightNote {
-    /// The weight does not end at r = 1 with value and slope 0.
+    /// The weight does not end at r = 1 with value and slope 0. `value` is w(1), 0 where it is rounding; `slope` is w'(1).
     #[error(
         "the weight \"{formula}\" should end with value and slope 0 at r = 1, but has value {value} and slope {slope} there: where \
          a node enters or leaves the support, the {} of the surface jump{}",
         if *.value == 0.0 { "normals" } else { "points and normals" },
         if *.value == 0.0 { ", and with them the contact force" } else { ", and with them gap and contact force" }
     )]
-    OpenRim {
-        /// The formula.
-        formula: String,
-        /// w(1), 0 where it is rounding.
-        value: f64,
-        /// w'(1).
-        slope: f64,
-    },
+    OpenRim { formula: String, value: f64, slope: f64 },
 }
 
 /// Distance from r = 1 over which the slope there is measured.

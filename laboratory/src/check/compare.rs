@@ -20,16 +20,10 @@ use crate::weight::Weight;
 
 /// Why nothing can be compared.
 #[derive(Debug, thiserror::Error)]
+#[allow(missing_docs)] // The messages say what the fields are.
 pub enum CompareError {
-    /// Automatic differentiation does not take the weight.
     #[error("automatic differentiation cannot use \"{formula}\": {reason}")]
-    Ad {
-        /// The formula.
-        formula: String,
-        /// What the backend says.
-        reason: FormulaError,
-    },
-    /// There are no elements to compare on.
+    Ad { formula: String, reason: FormulaError },
     #[error(transparent)]
     NoElement(#[from] NoElement),
 }

@@ -32,13 +32,10 @@ impl fmt::Display for NodeCounts {
 /// Why a text is no range of node counts.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum NodeCountsError {
-    /// Not of the form.
     #[error("neither a number of master nodes such as 9 nor a range such as 6..=12 or 6..12")]
     Form,
-    /// Nothing between start and end.
     #[error("the range is empty")]
     Empty,
-    /// Too many nodes.
     #[error("at most {MOST} master nodes can be checked")]
     TooMany,
 }

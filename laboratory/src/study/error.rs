@@ -11,60 +11,26 @@ use crate::error::CliError;
 /// The mesh of a study is no surface, or a node of it has no contact: no figures are better than some.
 #[derive(Debug, thiserror::Error)]
 pub enum StudyError {
-    /// The mesh is none.
     #[error("the mesh of the study: {0}")]
     Surface(#[from] SurfaceError),
-    /// The interface refuses its input.
     #[error("the interface of the study: {0}")]
     Interface(#[from] InterfaceError),
-    /// The tangent cannot be assembled.
     #[error("the tangent of the study: {0}")]
     Assembly(#[from] AssemblyError),
-    /// A node without contact.
     #[error("{case}: slave {slave} has no contact: {reason}")]
-    NoContact {
-        /// Which part of the study.
-        case: String,
-        /// Number of the slave in it.
-        slave: usize,
-        /// Why not.
-        reason: NoContact,
-    },
-    /// A surface too small for so many ranks.
+    NoContact { case: String, slave: usize, reason: NoContact },
     #[error("{facets} facets are too few for {ranks} ranks, which need {least} each")]
-    TooManyRanks {
-        /// Ranks asked for.
-        ranks: u32,
-        /// Facets of the surface.
-        facets: u64,
-        /// Facets that each rank has at least.
-        least: u64,
-    },
+    TooManyRanks { ranks: u32, facets: u64, least: u64 },
     /// A part of a cylinder or a ball that is wider than the whole.
     #[error(
         "the curved body would reach {widest} from its axis with a radius of {radius}: take a smaller --extent or --slenderness"
     )]
-    WideBody {
-        /// How far, length.
-        widest: f64,
-        /// Of the cylinder or the ball, length.
-        radius: f64,
-    },
-    /// Less of two bodies than their equally long cells fill.
+    WideBody { widest: f64, radius: f64 },
+    /// Less of two bodies than their equally long cells fill. Both figures are half widths.
     #[error("--extent {extent}: it has to be above {least:.3}, where the equally long cells end")]
-    NarrowBody {
-        /// What was asked for, half widths.
-        extent: f64,
-        /// Where the equally long cells end, half widths.
-        least: f64,
-    },
-    /// The plot cannot be drawn.
+    NarrowBody { extent: f64, least: f64 },
     #[error("the plot cannot be drawn: {reason}")]
-    Plot {
-        /// What the plotting library says.
-        reason: String,
-    },
-    /// A deck that a study solves is not there.
+    Plot { reason: String },
     #[error(
         "{0}; it is one of the repository's: run the study at the root of the repository, or name the directory with --decks"
     )]

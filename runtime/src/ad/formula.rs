@@ -74,65 +74,29 @@ enum Comparison {
 /// Why a text is not a weight. Positions are byte offsets from the beginning of the text.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
+#[allow(missing_docs)] // The messages say what the fields are.
 pub enum FormulaError {
     /// A character that belongs to no formula.
     #[error("unexpected character {character:?} at byte {position}")]
-    UnexpectedCharacter {
-        /// The character.
-        character: char,
-        /// Where it stands.
-        position: usize,
-    },
+    UnexpectedCharacter { character: char, position: usize },
     /// Something understood, in the wrong place.
     #[error("found `{found}` at byte {position}, expected {expected}")]
-    Unexpected {
-        /// The text found.
-        found: String,
-        /// What could stand here.
-        expected: &'static str,
-        /// Where it stands.
-        position: usize,
-    },
+    Unexpected { found: String, expected: &'static str, position: usize },
     /// The text ends too early.
     #[error("the formula ends at byte {position}, expected {expected}")]
-    UnexpectedEnd {
-        /// What could stand here.
-        expected: &'static str,
-        /// Length of the text.
-        position: usize,
-    },
+    UnexpectedEnd { expected: &'static str, position: usize },
     /// A name other than `r`, `sqrt`, `exp`, `if` and `else`.
     #[error("unknown name `{name}` at byte {position}; known are r, sqrt, exp, if, else")]
-    UnknownName {
-        /// The name.
-        name: String,
-        /// Where it begins.
-        position: usize,
-    },
+    UnknownName { name: String, position: usize },
     /// A number that is malformed or too large.
     #[error("`{text}` at byte {position} is not a finite number")]
-    InvalidNumber {
-        /// The text of the number.
-        text: String,
-        /// Where it begins.
-        position: usize,
-    },
+    InvalidNumber { text: String, position: usize },
     /// An exponent that is not an integer literal.
     #[error("the exponent `{text}` at byte {position} is not an integer literal")]
-    InvalidExponent {
-        /// The text found.
-        text: String,
-        /// Where it begins.
-        position: usize,
-    },
+    InvalidExponent { text: String, position: usize },
     /// Parentheses, signs and branches inside one another beyond what the parser takes.
     #[error("nested more than {limit} deep at byte {position}")]
-    TooDeep {
-        /// The depth allowed.
-        limit: usize,
-        /// Where it is exceeded.
-        position: usize,
-    },
+    TooDeep { limit: usize, position: usize },
     /// The formula can be read, but is not flat and finite at r = 0.
     #[error(transparent)]
     Weight(#[from] WeightError),

@@ -86,25 +86,17 @@ impl RadialWeight for Weight {
 /// Why a function of r cannot serve as a weight.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
+#[allow(missing_docs)] // The messages say what the fields are.
 pub enum WeightError {
-    /// The function or one of its derivatives is not finite at r = 0.
+    /// The function or one of its derivatives is not finite at r = 0. The `order` of the function itself is 0.
     #[error("the weight has no finite derivative of order {order} at r = 0")]
-    NotFiniteAtCentre {
-        /// Order of the derivative; 0 is the function itself.
-        order: usize,
-    },
+    NotFiniteAtCentre { order: usize },
     /// A weight to be made interpolating is not 1 at r = 0.
     #[error("the weight is {value} at r = 0, but has to be 1 there to be made interpolating")]
-    NotOneAtCentre {
-        /// ω(0).
-        value: f64,
-    },
+    NotOneAtCentre { value: f64 },
     /// The slope at r = 0 is not zero: a cone, which has no derivative when the slave is straight above a node.
     #[error("the weight has the slope {slope:e} at r = 0, where it has to be flat")]
-    SlopeAtCentre {
-        /// w'(0).
-        slope: f64,
-    },
+    SlopeAtCentre { slope: f64 },
 }
 
 /// Order of the Taylor series about r = 0.

@@ -5,10 +5,11 @@ use crate::assembly::AssemblyError;
 use crate::neighbourhood::NeighbourhoodError;
 use crate::surface::{SurfaceError, WindowError};
 
-/// Every reason for which an interface cannot be made, paired or evaluated. That a single slave has no contact
-/// is none of them, but an [`Outcome`](super::Outcome).
+/// Every reason for which an interface cannot be made, paired or evaluated. That a single slave has no contact is none of them, but an
+/// [`Outcome`](super::Outcome). A slave's `index` is its place in the list of slaves.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
+#[allow(missing_docs)] // The messages say what the fields are.
 pub enum InterfaceError {
     /// The slave facets are no facets, or a position of the master surface is bad.
     #[error(transparent)]
@@ -22,14 +23,7 @@ pub enum InterfaceError {
     MasterNodes(#[source] ElementError),
     /// An option is outside its range.
     #[error("the option {name} must be {range}, not {value}")]
-    InvalidOption {
-        /// Name of the option.
-        name: &'static str,
-        /// What it may be.
-        range: &'static str,
-        /// What it was.
-        value: f64,
-    },
+    InvalidOption { name: &'static str, range: &'static str, value: f64 },
     /// A frame that is held needs masters that are found by another rule than their domains of influence.
     #[error("a frame that is held needs another neighbour rule than \"domains\", such as \"hull-layers\"")]
     HeldFrame,
@@ -44,114 +38,59 @@ pub enum InterfaceError {
         "contact integrated over faces needs the neighbour rule \"domains\", or the node-to-facet element"
     )]
     FacesNeedDomains,
-    /// The numbers of a saved history of friction are none.
+    /// The numbers of a saved history of friction are none. `place` is that of the first such number.
     #[error("number {place} of the history of friction is none of a history")]
-    InvalidHistory {
-        /// The place of the first such number.
-        place: usize,
-    },
+    InvalidHistory { place: usize },
     /// There is not one anchor, or none, for each slave.
     #[error("{found} anchors for {expected} slaves")]
-    AnchorCount {
-        /// How many there are.
-        found: usize,
-        /// How many slaves there are.
-        expected: usize,
-    },
+    AnchorCount { found: usize, expected: usize },
     /// An anchor is carried by a node that is none of the master surface, or by an image that it does not have.
     #[error(
         "the anchor of slave {index} is carried by node {node}, which is not on the master surface, or by an image that it does not have"
     )]
-    ForeignCarrier {
-        /// The slave's place in the list of slaves.
-        index: usize,
-        /// The node.
-        node: u32,
-    },
+    ForeignCarrier { index: usize, node: u32 },
     /// The gap that a contact was open by is negative or not finite.
     #[error("the anchor of slave {index} says that it was open by {value}")]
-    InvalidOpening {
-        /// The slave's place in the list of slaves.
-        index: usize,
-        /// The gap it gives.
-        value: f64,
-    },
+    InvalidOpening { index: usize, value: f64 },
     /// The window of a surface is none, or not for these options.
     #[error(transparent)]
     Window(#[from] WindowError),
-    /// An option that results in a window depend on is another one than the window was made with.
+    /// An option that results in a window depend on is another one than the window was made with. It is the weight, the basis or the
+    /// feature angle; over faces also the limit of the distance or the symmetry of the slave.
     #[error("the {what} is not that of the window")]
-    OtherThanWindow {
-        /// `"weight"`, `"basis"` or `"feature angle"`; over faces also `"limit of the distance"` or `"symmetry of the slave"`.
-        what: &'static str,
-    },
+    OtherThanWindow { what: &'static str },
     /// An interface of a window is asked for what takes the whole surface.
     #[error("{what} takes the whole surface, and this is a window of it")]
-    InWindow {
-        /// What.
-        what: &'static str,
-    },
+    InWindow { what: &'static str },
     /// A surface in contact with itself is asked for what only an interface with slaves of its own has.
     #[error(
         "{what} takes slaves that are no nodes of the surface, and this surface is in contact with itself"
     )]
-    SelfContact {
-        /// What.
-        what: &'static str,
-    },
+    SelfContact { what: &'static str },
     /// A law that is none.
     #[error(transparent)]
     Law(#[from] AssemblyError),
     /// More positions or slaves than 32-bit indices can name.
     #[error("{count} {what} are more than 32-bit indices can name")]
-    TooMany {
-        /// `"positions"` or `"slaves"`.
-        what: &'static str,
-        /// How many there are.
-        count: usize,
-    },
+    TooMany { what: &'static str, count: usize },
     /// A slave node is not among the positions.
     #[error("slave {index} is node {node}, but there are {count} positions")]
-    SlaveOutOfRange {
-        /// Its place in the list of slaves.
-        index: usize,
-        /// The node.
-        node: usize,
-        /// Number of positions.
-        count: usize,
-    },
+    SlaveOutOfRange { index: usize, node: usize, count: usize },
     /// A node is a slave twice: it would carry twice the force.
     #[error("node {node} is listed as a slave more than once")]
-    RepeatedSlave {
-        /// The node.
-        node: usize,
-    },
+    RepeatedSlave { node: usize },
     /// A node belongs to both surfaces.
     #[error("node {node} is a slave and a node of the master surface")]
-    SlaveOnMaster {
-        /// The node.
-        node: usize,
-    },
+    SlaveOnMaster { node: usize },
     /// Areas were asked for, but a slave belongs to no slave facet.
     #[error("slave node {node} belongs to no slave facet and so has no tributary area")]
-    SlaveWithoutArea {
-        /// The node.
-        node: usize,
-    },
+    SlaveWithoutArea { node: usize },
     /// The number of positions is not the one the interface was made with.
     #[error("{found} positions, but the interface was made with {expected}")]
-    WrongNumberOfPositions {
-        /// Number of positions given.
-        found: usize,
-        /// Number of positions at the beginning.
-        expected: usize,
-    },
+    WrongNumberOfPositions { found: usize, expected: usize },
     /// The results do not fit into memory; [`for_each`](super::ContactInterface::for_each) does not hold them all.
     #[error("no memory for {numbers} numbers of results")]
-    OutOfMemory {
-        /// How many numbers were asked for.
-        numbers: usize,
-    },
+    OutOfMemory { numbers: usize },
 }
 
 impl InterfaceError {

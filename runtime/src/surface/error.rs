@@ -1,138 +1,66 @@
 //! Why a set of facets is no surface.
 
-/// Every reason for which facets and positions are refused. Facets and nodes are named by the caller's indices.
+/// Every reason for which facets and positions are refused. Facets and nodes are named by the caller's indices, symmetry planes from 0.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
+#[allow(missing_docs)] // The messages say what the fields are.
 pub enum SurfaceError {
     /// No facet at all.
     #[error("the surface has no facets")]
     Empty,
     /// More nodes, facets or edges than 32-bit indices can name.
     #[error("{count} {what} are more than 32-bit indices can name")]
-    TooMany {
-        /// `"nodes"` or `"facets"`.
-        what: &'static str,
-        /// How many there are.
-        count: usize,
-    },
+    TooMany { what: &'static str, count: usize },
     /// A corner is not among the positions.
     #[error("facet {facet} has node {node} for a corner, but there are {count} positions")]
-    NodeOutOfRange {
-        /// The facet.
-        facet: usize,
-        /// Its corner.
-        node: usize,
-        /// Number of positions.
-        count: usize,
-    },
+    NodeOutOfRange { facet: usize, node: usize, count: usize },
     /// A facet names a node twice.
     #[error("facet {facet} has node {node} for two of its corners")]
-    RepeatedNode {
-        /// The facet.
-        facet: usize,
-        /// The corner named twice.
-        node: usize,
-    },
+    RepeatedNode { facet: usize, node: usize },
     /// A coordinate is NaN or infinite, or beyond ±10⁷⁵, where areas squared overflow.
     #[error("node {node} has a coordinate that is not a finite number below 1e75: {value}")]
-    NonFinitePosition {
-        /// The node.
-        node: usize,
-        /// The coordinate.
-        value: f64,
-    },
-    /// The corners of a quadrilateral are not in cyclic order: its outline crosses itself.
+    NonFinitePosition { node: usize, value: f64 },
+    /// The corners of a quadrilateral are not in cyclic order: its outline crosses itself. The facet is convex in the `order` given.
     #[error(
         "the outline of facet {facet} crosses itself: give its corners in cyclic order, such as {order:?} or the reverse, whichever \
          faces outwards"
     )]
-    NotCyclic {
-        /// The facet.
-        facet: usize,
-        /// Its corners in an order in which it is convex.
-        order: [usize; 4],
-    },
-    /// The corners of a facet lie on a line or a point.
+    NotCyclic { facet: usize, order: [usize; 4] },
+    /// The corners of a facet lie on a line or a point. `extent` is the largest coordinate difference between them.
     #[error("facet {facet} has no area: {area:e} of the square of its extent {extent:e}")]
-    NoArea {
-        /// The facet.
-        facet: usize,
-        /// Area over the square of the extent.
-        area: f64,
-        /// Largest coordinate difference between corners, length.
-        extent: f64,
-    },
-    /// A quadrilateral has a corner that points inwards or is straight: its normal turns over somewhere on it.
+    NoArea { facet: usize, area: f64, extent: f64 },
+    /// A quadrilateral has a corner that points inwards or is straight: its normal turns over somewhere on it. The worst corner is named,
+    /// from 0 to 3. Its `sine` is the area spanned by its two edges, in the facet's middle plane, over the product of their lengths.
     #[error(
         "facet {facet} is not convex: the sine at its corner {corner} (node {node}) is {sine:e}, seen along its normal; mend it or split it into triangles"
     )]
-    NotConvex {
-        /// The facet.
-        facet: usize,
-        /// The worst corner, 0 to 3.
-        corner: usize,
-        /// The node there.
-        node: usize,
-        /// Area spanned by the two edges at the corner, in the facet's middle plane, over the product of their lengths.
-        sine: f64,
-    },
-    /// More than two facets meet in one edge.
+    NotConvex { facet: usize, corner: usize, node: usize, sine: f64 },
+    /// More than two facets meet in one edge. `facets` are three of them.
     #[error("facets {facets:?}, and perhaps more, share the edge between nodes {nodes:?}")]
-    BranchingEdge {
-        /// The ends of the edge.
-        nodes: [usize; 2],
-        /// Three of the facets.
-        facets: [usize; 3],
-    },
+    BranchingEdge { nodes: [usize; 2], facets: [usize; 3] },
     /// Two facets run through their common edge in the same direction: one of them shows its inside.
     #[error("facets {facets:?} run through the edge from node {} to node {} in the same direction: one is flipped, or there twice", nodes[0], nodes[1])]
-    InconsistentOrientation {
-        /// The facets.
-        facets: [usize; 2],
-        /// The ends of the edge in that direction.
-        nodes: [usize; 2],
-    },
-    /// Too few positions for the nodes of the surface.
+    InconsistentOrientation { facets: [usize; 2], nodes: [usize; 2] },
+    /// Too few positions for the nodes of the surface. `needed` is the highest index of a corner, plus 1.
     #[error("{found} positions, but the surface needs {needed}")]
-    TooFewPositions {
-        /// Number of positions given.
-        found: usize,
-        /// The highest index of a corner, plus 1.
-        needed: usize,
-    },
+    TooFewPositions { found: usize, needed: usize },
     /// A symmetry plane's normal is no unit vector, or its point is not finite.
     #[error(
         "symmetry plane {plane} has a normal of length {length}, not a unit vector, or a point that is not finite"
     )]
-    InvalidSymmetry {
-        /// The plane, counted from 0.
-        plane: usize,
-        /// Length of its normal.
-        length: f64,
-    },
-    /// Symmetry planes have too many images near the surface.
+    InvalidSymmetry { plane: usize, length: f64 },
+    /// Symmetry planes have too many images near the surface. `images` were found before the search was given up; `reach` is the length of
+    /// eight of the largest facets.
     #[error(
         "the symmetry planes have more than {images} images within {reach:e} of the surface: planes have to be parallel or at 180 degrees \
          over a whole number, and parallel ones no nearer to one another than a thirtieth of the largest facet"
     )]
-    TooManyImages {
-        /// Images found before the search was given up.
-        images: usize,
-        /// How far from the surface they are looked for, length: eight of its largest facets.
-        reach: f64,
-    },
+    TooManyImages { images: usize, reach: f64 },
     /// The surface lies on both sides of a symmetry plane.
     #[error(
         "the surface reaches from {low:e} to {high:e} across symmetry plane {plane}: it has to lie on one side of it"
     )]
-    CutBySymmetry {
-        /// The plane, counted from 0.
-        plane: usize,
-        /// Lowest height of a node over the plane, length.
-        low: f64,
-        /// Highest height, length.
-        high: f64,
-    },
+    CutBySymmetry { plane: usize, low: f64, high: f64 },
 }
 
 impl SurfaceError {

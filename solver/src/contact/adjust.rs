@@ -21,50 +21,27 @@ const LEAST_FREE: f64 = 0.1;
 /// Why slaves cannot start in touch.
 #[derive(Debug, Error)]
 #[non_exhaustive]
+#[allow(missing_docs)] // The messages say what the fields are.
 pub enum AdjustError {
-    /// Contact could not be evaluated.
     #[error(transparent)]
     Contact(#[from] ContactError),
-    /// The slaves within reach belong to a rigid part, whose shape is given, or are prescribed, at least across the surface.
     #[error(
         "{count} slaves lie within {limit:e} of the master, but none of them can be moved: they are rigid or prescribed, or free \
          along its surface alone; exchange master and slave"
     )]
-    Rigid {
-        /// How many.
-        count: usize,
-        /// The largest distance either way, length.
-        limit: f64,
-    },
+    Rigid { count: usize, limit: f64 },
     /// Slaves would move far beyond what a mesh leaves open.
     #[error(
         "the limit of {limit:e} is more than a quarter of {size:e}, the size of the facets around slave node {node}"
     )]
-    Far {
-        /// A slave within the limit.
-        node: usize,
-        /// The limit, length.
-        limit: f64,
-        /// The size, length.
-        size: f64,
-    },
+    Far { node: usize, limit: f64, size: f64 },
     /// An element does not stand that its nodes are moved.
     #[error(transparent)]
     Solid(#[from] SolidError),
-    /// A slave has left its master on its way.
     #[error("slave node {node} has no gap where it is moved to")]
-    Lost {
-        /// The node.
-        node: usize,
-    },
-    /// A gap does not close.
+    Lost { node: usize },
     #[error("slave node {node} still has a gap of {gap:e} after {ROUNDS} rounds")]
-    Open {
-        /// The node.
-        node: usize,
-        /// Its gap, length.
-        gap: f64,
-    },
+    Open { node: usize, gap: f64 },
 }
 
 /// Slaves that start in touch.

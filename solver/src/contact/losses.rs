@@ -30,6 +30,7 @@ pub struct LostContact {
 
 /// How a slave comes to have no contact.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+#[allow(missing_docs)] // The messages say what the fields are.
 pub enum Loss {
     /// Its element has no result.
     #[error("{0}")]
@@ -38,10 +39,7 @@ pub enum Loss {
     #[error(
         "it went through the master and lies {depth:e} below the facet that it was over when the increment began"
     )]
-    Through {
-        /// How deep it lies below the plane of that facet, length.
-        depth: f64,
-    },
+    Through { depth: f64 },
 }
 
 /// Whether an element that should be there is not: a slave too far away or beyond a border has none by right, unless it went through.

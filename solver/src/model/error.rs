@@ -8,83 +8,44 @@ const ORDER: &str = "; below 0 its nodes are in the wrong order: those of the fi
 
 /// A shape that cannot be made.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[allow(missing_docs)] // The messages say what the fields are.
 pub enum ShapeError {
-    /// A number is outside its range.
     #[error("{field} must be {range}, not {value}")]
-    OutOfRange {
-        /// Field of the shape, as in a deck.
-        field: &'static str,
-        /// What it may be.
-        range: &'static str,
-        /// What it was.
-        value: f64,
-    },
+    OutOfRange { field: &'static str, range: &'static str, value: f64 },
     /// The shape would have more than [`MAX_NODES`](super::MAX_NODES) nodes.
     #[error("these divisions make {count} nodes; at most {limit} are possible")]
-    TooManyNodes {
-        /// How many there would be.
-        count: f64,
-        /// How many there may be.
-        limit: usize,
-    },
+    TooManyNodes { count: f64, limit: usize },
     /// The shape is more than the machine has memory for.
     #[error(
         "these divisions make {count} nodes; a run with them needs about {gigabytes:.0} GB of memory besides its factors"
     )]
-    NoMemory {
-        /// How many nodes there would be.
-        count: f64,
-        /// About what they take.
-        gigabytes: f64,
-    },
+    NoMemory { count: f64, gigabytes: f64 },
 }
 
-/// Parts that make no model.
+/// Parts that make no model. Nodes and elements count from 0 in the order of the part, corners in that of the element. `label` is an
+/// element's number in the mesh file, if the part is from one.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
+#[allow(missing_docs)] // The messages say what the fields are.
 pub enum ModelError {
     /// A name is empty or has a dot, which separates the names of a part and of its sets.
     #[error("a part cannot be named {part:?}: a name is not empty and has no dot", part = shown(part))]
-    InvalidName {
-        /// The name.
-        part: String,
-    },
-    /// Two parts have one name.
+    InvalidName { part: String },
     #[error("two parts are named {part:?}", part = shown(part))]
-    RepeatedPart {
-        /// The name.
-        part: String,
-    },
+    RepeatedPart { part: String },
     /// A part has no nodes, or nothing that uses them.
     #[error("the part {part:?} has neither elements nor facets", part = shown(part))]
-    EmptyPart {
-        /// The part.
-        part: String,
-    },
-    /// A part with elements has no material.
+    EmptyPart { part: String },
     #[error("the part {part:?} has solid elements and needs a material", part = shown(part))]
-    NoMaterial {
-        /// The part.
-        part: String,
-    },
-    /// A material is for an element set that the part has not.
+    NoMaterial { part: String },
+    /// A material is for an element set that the part has not. `known` are those that hold elements of the part.
     #[error(
         "the part {part:?} has no element set {set:?}{}",
         hint(nearest.as_deref(), known),
         part = shown(part),
         set = shown(set)
     )]
-    NoElementSet {
-        /// The part.
-        part: String,
-        /// The name.
-        set: String,
-        /// The one that was meant, perhaps.
-        nearest: Option<String>,
-        /// Those that hold elements of the part.
-        known: Vec<String>,
-    },
-    /// Two element sets with materials hold the same element.
+    NoElementSet { part: String, set: String, nearest: Option<String>, known: Vec<String> },
     #[error(
         "element {} of the part {part:?} is in the sets {:?} and {:?}, which both have a material",
         number_of(*element, *label),
@@ -92,97 +53,36 @@ pub enum ModelError {
         shown(&sets[1]),
         part = shown(part)
     )]
-    TwoMaterials {
-        /// The part.
-        part: String,
-        /// The element, from 0.
-        element: usize,
-        /// Its number in the mesh file, if there is one.
-        label: Option<u64>,
-        /// The sets.
-        sets: [String; 2],
-    },
-    /// No element set with a material holds an element.
+    TwoMaterials { part: String, element: usize, label: Option<u64>, sets: [String; 2] },
     #[error(
         "the part {part:?} has elements in no set that has a material: {count}, the first is element {}",
         number_of(*element, *label),
         part = shown(part)
     )]
-    ElementWithoutMaterial {
-        /// The part.
-        part: String,
-        /// The first of them, from 0.
-        element: usize,
-        /// Its number in the mesh file, if there is one.
-        label: Option<u64>,
-        /// How many.
-        count: usize,
-    },
+    ElementWithoutMaterial { part: String, element: usize, label: Option<u64>, count: usize },
     /// A part without elements has a material.
     #[error("the part {part:?} is rigid: a material has no meaning", part = shown(part))]
-    RigidMaterial {
-        /// The part.
-        part: String,
-    },
+    RigidMaterial { part: String },
     /// More than [`MAX_NODES`](super::MAX_NODES) nodes in all.
     #[error("the parts have {count} nodes together; at most {limit} are possible")]
-    TooManyNodes {
-        /// How many there would be.
-        count: f64,
-        /// How many there may be.
-        limit: usize,
-    },
+    TooManyNodes { count: f64, limit: usize },
     /// A node of a set, a facet or an element does not exist.
     #[error("the part {part:?} refers to node {node}, but it has {count} nodes", part = shown(part))]
-    NodeOutOfRange {
-        /// The part.
-        part: String,
-        /// The node, from 0.
-        node: usize,
-        /// How many there are.
-        count: usize,
-    },
-    /// An element of a set does not exist.
+    NodeOutOfRange { part: String, node: usize, count: usize },
     #[error("the part {part:?} has a set with element {element}, but it has {count} elements", part = shown(part))]
-    ElementOutOfRange {
-        /// The part.
-        part: String,
-        /// The element, from 0.
-        element: usize,
-        /// How many there are.
-        count: usize,
-    },
-    /// A coordinate is NaN, infinite or beyond ±10⁷⁵.
+    ElementOutOfRange { part: String, element: usize, count: usize },
     #[error(
         "node {node} of the part {part:?} has a coordinate that is not a finite number below 1e75: {value}", part = shown(part)
     )]
-    NonFinitePosition {
-        /// The part.
-        part: String,
-        /// The node, from 0.
-        node: usize,
-        /// The coordinate.
-        value: f64,
-    },
-    /// An element is turned inside out or flat at one of its corners.
+    NonFinitePosition { part: String, node: usize, value: f64 },
+    /// An element is turned inside out or flat at one of its corners. The triple product is 1 at the corner of a cube.
     #[error(
         "element {} of the part {part:?} is inside out, flat or not convex: the triple product of the directions of the edges at its \
          corner {} is {jacobian:e}{}",
         number_of(*element, *label),
         corner + 1, if *jacobian < 0.0 { ORDER } else { "" }, part = shown(part)
     )]
-    InvertedElement {
-        /// The part.
-        part: String,
-        /// The element, from 0 in the order of the part.
-        element: usize,
-        /// Its number in the mesh file, if the part is from one.
-        label: Option<u64>,
-        /// The corner, from 0 in the order of its nodes.
-        corner: usize,
-        /// Triple product of the directions of the edges there; 1 at the corner of a cube.
-        jacobian: f64,
-    },
+    InvertedElement { part: String, element: usize, label: Option<u64>, corner: usize, jacobian: f64 },
     /// Two elements have the same nodes, or are both on one side of a face: its nodes would count as inside.
     #[error(
         "elements {} and {} of the part {part:?} lie on one another: they share {shared} corners in a way that neighbours do not",
@@ -190,17 +90,11 @@ pub enum ModelError {
         number_of(*other, *other_label), part = shown(part)
     )]
     OverlappingElements {
-        /// The part.
         part: String,
-        /// The element, from 0 in the order of the part.
         element: usize,
-        /// Its number in the mesh file, if the part is from one.
         label: Option<u64>,
-        /// The other one.
         other: usize,
-        /// Its number in the mesh file.
         other_label: Option<u64>,
-        /// How many corners they have in common.
         shared: usize,
     },
     /// Two elements share the corners of a face, but not the nodes in the middle of its edges: the face would gape.
@@ -210,18 +104,7 @@ pub enum ModelError {
         number_of(*element, *label),
         number_of(*other, *other_label), part = shown(part)
     )]
-    HangingNodes {
-        /// The part.
-        part: String,
-        /// The element, from 0 in the order of the part.
-        element: usize,
-        /// Its number in the mesh file, if the part is from one.
-        label: Option<u64>,
-        /// The other one.
-        other: usize,
-        /// Its number in the mesh file.
-        other_label: Option<u64>,
-    },
+    HangingNodes { part: String, element: usize, label: Option<u64>, other: usize, other_label: Option<u64> },
     /// A mesh file cannot be read, or has no such set.
     #[error(transparent)]
     Mesh(#[from] MeshError),
@@ -230,18 +113,10 @@ pub enum ModelError {
         "element {tag} (in the mesh file) is of type {kind}, which is not supported; `elements` can name a set without it, \
          docs/how-to/decks.md lists what is supported"
     )]
-    UnreadSolid {
-        /// The element's number in the mesh file.
-        tag: u64,
-        /// Its type as the file names it.
-        kind: String,
-    },
-    /// A mesh file has no solid elements where a solid part was asked for.
+    UnreadSolid { tag: u64, kind: String },
+    /// A mesh file has no solid elements where a solid part was asked for. `set` is `None` for the whole file.
     #[error("the mesh file has no solid elements{}", in_set(set))]
-    NoSolids {
-        /// The element set asked for; `None` for the whole file.
-        set: Option<String>,
-    },
+    NoSolids { set: Option<String> },
 }
 
 /// Another name, or all of them.

@@ -15,98 +15,41 @@ pub struct ElementName {
 }
 
 /// Everything that can be wrong with elements and positions. Indices of elements count from 0 through all bodies, and those of points from
-/// 0; messages count from 1, elements within their part, or give an element's number in the mesh file.
+/// 0; messages count from 1, elements within their part, or give an element's number in the mesh file. `name` is what an element is called;
+/// it is `None` before that is known.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
+#[allow(missing_docs)] // The messages say what the fields are.
 pub enum SolidError {
     /// There is no such material.
     #[error("the material of body {body}: {source}")]
-    Material {
-        /// Index of the body.
-        body: usize,
-        /// The constant.
-        source: MaterialError,
-    },
-    /// An element names a node that does not exist.
+    Material { body: usize, source: MaterialError },
     #[error("{} has node {node}, but there are {count} nodes", called(*element, name))]
-    NodeOutOfRange {
-        /// Index of the element.
-        element: usize,
-        /// What it is called; `None` before that is known.
-        name: Option<Box<ElementName>>,
-        /// The node.
-        node: usize,
-        /// Number of nodes.
-        count: usize,
-    },
-    /// The element has no volume around a point, or its nodes are in the wrong order.
+    NodeOutOfRange { element: usize, name: Option<Box<ElementName>>, node: usize, count: usize },
+    /// The element has no volume around a point, or its nodes are in the wrong order. `jacobian` is volume per volume of the reference
+    /// cube, length³.
     #[error(
         "{} has the Jacobian {jacobian:e} at integration point {}: it must be positive", called(*element, name), point + 1
     )]
-    BadElement {
-        /// Index of the element.
-        element: usize,
-        /// What it is called; `None` before that is known.
-        name: Option<Box<ElementName>>,
-        /// Index of the point, 0 to 7.
-        point: usize,
-        /// Volume per volume of the reference cube, length³.
-        jacobian: f64,
-    },
+    BadElement { element: usize, name: Option<Box<ElementName>>, point: usize, jacobian: f64 },
     /// A position is NaN or infinite.
     #[error("node {node} is at {position:?}")]
-    NotFinite {
-        /// The node.
-        node: usize,
-        /// Its position.
-        position: [f64; 3],
-    },
-    /// A list does not fit.
+    NotFinite { node: usize, position: [f64; 3] },
     #[error("{given} {what} given, {expected} expected")]
-    WrongCount {
-        /// `"positions"` or `"states"`.
-        what: &'static str,
-        /// How many there are.
-        given: usize,
-        /// How many there should be.
-        expected: usize,
-    },
+    WrongCount { what: &'static str, given: usize, expected: usize },
     /// Material is turned inside out. A smaller step may avoid it.
     #[error("{} is turned inside out: det F = {jacobian:e} at integration point {}", called(*element, name), point + 1)]
-    Inverted {
-        /// Index of the element.
-        element: usize,
-        /// What it is called; `None` before that is known.
-        name: Option<Box<ElementName>>,
-        /// Index of the point, 0 to 7.
-        point: usize,
-        /// det F.
-        jacobian: f64,
-    },
+    Inverted { element: usize, name: Option<Box<ElementName>>, point: usize, jacobian: f64 },
     /// The incompatible modes of an element find no equilibrium that is stable, as under a pressure of several times the shear modulus. A
     /// smaller step may avoid it.
     #[error(
         "the incompatible modes of {} find no stable equilibrium: take elements without them where strains or pressures are this large",
         called(*element, name)
     )]
-    UnstableModes {
-        /// Index of the element.
-        element: usize,
-        /// What it is called; `None` before that is known.
-        name: Option<Box<ElementName>>,
-    },
+    UnstableModes { element: usize, name: Option<Box<ElementName>> },
     /// Material is deformed beyond what floating point resolves. A smaller step may avoid it.
     #[error("{} at integration point {}: {source}", called(*element, name), point + 1)]
-    Unresolved {
-        /// Index of the element.
-        element: usize,
-        /// What it is called; `None` before that is known.
-        name: Option<Box<ElementName>>,
-        /// Index of the point, 0 to 7.
-        point: usize,
-        /// The stretches.
-        source: Unresolved,
-    },
+    Unresolved { element: usize, name: Option<Box<ElementName>>, point: usize, source: Unresolved },
 }
 
 /// An element in a message.

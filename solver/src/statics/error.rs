@@ -11,92 +11,42 @@ use crate::system::SystemError;
 /// Why a run ended before the end of time.
 #[derive(Debug, Error)]
 #[non_exhaustive]
+#[allow(missing_docs)] // The messages say what the fields are.
 pub enum StaticsError {
-    /// A setting out of its range.
+    /// A setting out of its range, by its name in the deck.
     #[error("{name} is {value}; it has to be {range}")]
-    Setting {
-        /// Its name in the deck.
-        name: &'static str,
-        /// What was given.
-        value: f64,
-        /// What is allowed.
-        range: &'static str,
-    },
-    /// An operator has no factors.
+    Setting { name: &'static str, value: f64, range: &'static str },
     #[error(
         "newton.contact_tangent is an operator, which has no factors; newton.linear_solver has to be iterative or auto"
     )]
     NoFactors,
-    /// The shortest increment did not converge.
     #[error(
         "no convergence after time {}: {reason}; the increment of {length:.3e} may not be cut below {minimum:.3e}",
         ShownTime(*time)
     )]
-    NoConvergence {
-        /// The time that was reached.
-        time: f64,
-        /// Length of the last increment tried.
-        length: f64,
-        /// Shortest length allowed.
-        minimum: f64,
-        /// Why it failed.
-        reason: Box<Failure>,
-    },
-    /// A part is loose, and no contact carries force that could hold it.
+    NoConvergence { time: f64, length: f64, minimum: f64, reason: Box<Failure> },
+    /// A part is loose, and no contact carries force that could hold it. `loose` are the parts that nothing holds; it is empty if a motion
+    /// of other kind is free.
     #[error("the run cannot go on from time {}: {}{error}", ShownTime(*time), all(loose))]
-    Singular {
-        /// The time that was reached.
-        time: f64,
-        /// What the linear solver says.
-        error: SystemError,
-        /// The parts that nothing holds; empty if a motion of other kind is free.
-        loose: Vec<Loose>,
-    },
-    /// Nothing but friction holds a part, and there is no force that friction could come from.
+    Singular { time: f64, error: SystemError, loose: Vec<Loose> },
+    /// Nothing but friction holds a part, and there is no force that friction could come from. `force` is the largest contact force on one
+    /// of them, the root of the sum of squares over its nodes.
     #[error(
         "the run cannot go on from time {}: {}contact acts on it with {force:.1e}, and equilibrium is known to {noise:.1e}, by newton.tolerance of the largest force and rounding: friction has nothing to come from",
         ShownTime(*time),
         all(loose)
     )]
-    Unloaded {
-        /// The time that was reached.
-        time: f64,
-        /// The parts that nothing else holds.
-        loose: Vec<Loose>,
-        /// The largest contact force on one of them, the root of the sum of squares over its nodes.
-        force: f64,
-        /// What counts as none: what Newton's iteration allows, `newton.tolerance` of the largest force of all, and rounding.
-        noise: f64,
-    },
-    /// The solid was refused.
+    Unloaded { time: f64, loose: Vec<Loose>, force: f64, noise: f64 },
     #[error(transparent)]
     Solid(#[from] SolidError),
-    /// A contact was refused.
     #[error(transparent)]
     Contact(#[from] ContactError),
-    /// The equations were refused.
     #[error(transparent)]
     System(#[from] SystemError),
-    /// A state of another problem.
     #[error("the state has {found} {what}; this problem has {expected}")]
-    ForeignState {
-        /// What was counted.
-        what: &'static str,
-        /// How many the state has.
-        found: usize,
-        /// How many the problem has.
-        expected: usize,
-    },
-    /// A number in a state that no run has.
+    ForeignState { what: &'static str, found: usize, expected: usize },
     #[error("the state has a {what} of {value}; it has to be {range}")]
-    StateOutOfRange {
-        /// What it is.
-        what: &'static str,
-        /// The number.
-        value: f64,
-        /// What is possible.
-        range: &'static str,
-    },
+    StateOutOfRange { what: &'static str, value: f64, range: &'static str },
     /// Whoever was told of an increment failed.
     #[error(transparent)]
     Observer(Box<dyn std::error::Error + Send + Sync>),
@@ -125,41 +75,24 @@ fn over_border(left: &[(String, usize)]) -> String {
 /// Why one increment failed.
 #[derive(Debug, Error)]
 #[non_exhaustive]
+#[allow(missing_docs)] // The messages say what the fields are.
 pub enum Failure {
-    /// Too many iterations.
+    /// Too many iterations. `left` are interfaces, and how many of their slaves carried force in the increment and lie beyond the master's
+    /// border at its end.
     #[error(
         "the residual is {residual:.2e} of the forces after {iterations} iterations{}",
         over_border(left)
     )]
-    Iterations {
-        /// Relative residual.
-        residual: f64,
-        /// Iterations made.
-        iterations: usize,
-        /// Interfaces, and how many of their slaves carried force in the increment and lie beyond the master's border at its end.
-        left: Vec<(String, usize)>,
-    },
+    Iterations { residual: f64, iterations: usize, left: Vec<(String, usize)> },
     /// The residual grew beyond reason or is no number.
     #[error("the residual grew to {residual:.2e} of the forces in iteration {iteration}")]
-    Diverged {
-        /// Relative residual.
-        residual: f64,
-        /// Number of the iteration.
-        iteration: usize,
-    },
-    /// Two states lead to each other, and from the middle between them back again.
+    Diverged { residual: f64, iteration: usize },
+    /// Two states lead to each other, and from the middle between them back again. `left` is as of [`Iterations`](Self::Iterations).
     #[error(
         "the iteration goes back and forth between two states; the residual is {residual:.2e} of the forces in iteration {iteration}{}",
         over_border(left)
     )]
-    Cycle {
-        /// Relative residual.
-        residual: f64,
-        /// Number of the iteration.
-        iteration: usize,
-        /// As of [`Iterations`](Self::Iterations).
-        left: Vec<(String, usize)>,
-    },
+    Cycle { residual: f64, iteration: usize, left: Vec<(String, usize)> },
     /// An element was turned inside out, or has stresses that are not found or no numbers, however short the step.
     #[error("{0}")]
     Inverted(SolidError),
@@ -167,28 +100,14 @@ pub enum Failure {
     #[error("{0}")]
     Contact(ContactError),
     /// There is equilibrium, but slaves went through their masters, or have elements without a result although they carried force in the
-    /// increment or right before it.
+    /// increment or right before it. The first one is named.
     #[error(
         "interface `{interface}`, slave node {node} lost its contact: {loss}; {count} did so", interface = shown(interface)
     )]
-    Lost {
-        /// Interface of the first one.
-        interface: String,
-        /// Slave node of the first one.
-        node: usize,
-        /// How it was lost.
-        loss: Loss,
-        /// How many there are.
-        count: usize,
-    },
-    /// The stiffness is singular.
+    Lost { interface: String, node: usize, loss: Loss, count: usize },
+    /// The stiffness is singular. `loose` are the parts that nothing holds; it is empty if a motion of other kind is free.
     #[error("{}{error}", all(loose))]
-    Singular {
-        /// What the linear solver says.
-        error: SystemError,
-        /// The parts that nothing holds; empty if a motion of other kind is free.
-        loose: Vec<Loose>,
-    },
+    Singular { error: SystemError, loose: Vec<Loose> },
     /// A linear system was not solved iteratively, and is too large for factors.
     #[error(transparent)]
     Unsolved(SystemError),

@@ -5,54 +5,29 @@ use crate::surface::SurfaceError;
 /// Why numbers are no window, or windows do not go together.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
+#[allow(missing_docs)] // The messages say what the fields are.
 pub enum WindowError {
-    /// A number is out of its range, or an order is not kept.
+    /// A number is out of its range, or an order is not kept. `what` is what the number should be, `place` its place among those.
     #[error("{what} {place} of the window is none")]
-    Invalid {
-        /// What the number should be.
-        what: &'static str,
-        /// Its place among those.
-        place: usize,
-    },
+    Invalid { what: &'static str, place: usize },
     /// Two windows have the same node or facet with other data: they are of different surfaces, or of different options.
     #[error("two windows differ in {what} {number}")]
-    Differs {
-        /// What they differ in.
-        what: &'static str,
-        /// Its number.
-        number: u64,
-    },
+    Differs { what: &'static str, number: u64 },
     /// A facet that slaves may be closest to has not all that it needs around it.
     #[error("facet {facet} of the window needs all facets at node {node}, and one of them is not there")]
-    Incomplete {
-        /// The facet's number.
-        facet: u64,
-        /// The node's number.
-        node: u64,
-    },
+    Incomplete { facet: u64, node: u64 },
     /// The facets are no surface; they are named by their place in the window.
     #[error(transparent)]
     Surface(#[from] SurfaceError),
     /// A box is none, or the skin is negative: a number of them is not finite, or a lowest corner is above the highest.
     #[error("box {place} is none, or the skin {skin} is negative or not finite")]
-    InvalidBox {
-        /// Which.
-        place: usize,
-        /// The skin.
-        skin: f64,
-    },
-    /// Extents said to be of the whole surface are not finite, or do not hold the own facets.
+    InvalidBox { place: usize, skin: f64 },
+    /// Extents said to be of the whole surface are not finite, or do not hold the own facets. `along` is `"x"`, `"y"`, `"z"`, or
+    /// `"a facet"` for the largest extent of one, which begins with 0.
     #[error(
         "extents along {along}, {given:?}, are not finite, or do not hold those of the own facets, {own:?}"
     )]
-    InvalidExtents {
-        /// `"x"`, `"y"`, `"z"`, or `"a facet"` for the largest extent of one, which begins with 0.
-        along: &'static str,
-        /// From where to where the whole surface is said to reach, length.
-        given: [f64; 2],
-        /// From where to where the own facets reach.
-        own: [f64; 2],
-    },
+    InvalidExtents { along: &'static str, given: [f64; 2], own: [f64; 2] },
     /// Windows are for slaves whose masters are found by domains of influence.
     #[error(
         "windows need the diffuse element with the neighbour rule \"domains\", not facets or another rule"
@@ -62,12 +37,7 @@ pub enum WindowError {
     #[error(
         "the part of the surface does not reach far enough around {count} of its own facets, such as facet {facet}"
     )]
-    TooNarrow {
-        /// How many.
-        count: usize,
-        /// The number of one.
-        facet: u64,
-    },
+    TooNarrow { count: usize, facet: u64 },
 }
 
 impl WindowError {

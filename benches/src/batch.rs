@@ -29,7 +29,6 @@ impl<'a> GapInBatches<'a> {
     ///
     /// # Panics
     /// If the output is a surface.
-    #[must_use]
     pub fn new(elements: &'a Elements, output: Output, isa: Isa) -> Self {
         let gradients = vec![0.0; BATCH * elements.degrees_of_freedom()];
         let hessians = vec![0.0; BATCH * hessian_size(elements, output)];

@@ -21,7 +21,6 @@ pub enum Output {
 
 impl Output {
     /// Name, as in JSON.
-    #[must_use]
     pub const fn name(self) -> &'static str {
         match self {
             Self::GapGradient => "gap-gradient",

@@ -27,7 +27,6 @@ const MOMENTS: [[usize; 6]; 6] = [
 
 /// The contender of [`by_vectors`] for these elements. Every number of nodes takes seconds to compile: `None` for those
 /// left out.
-#[must_use]
 pub fn prepare_vectors(elements: &Elements) -> Option<Box<dyn Run + '_>> {
     macro_rules! by_nodes {
         ($($nodes:literal)*) => {
@@ -41,7 +40,6 @@ pub fn prepare_vectors(elements: &Elements) -> Option<Box<dyn Run + '_>> {
 }
 
 /// The contender of [`by_pairs`] for these elements.
-#[must_use]
 pub fn prepare_pairs(elements: &Elements) -> Option<Box<dyn Run + '_>> {
     Some(one_by_one(elements, by_pairs))
 }

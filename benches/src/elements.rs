@@ -64,25 +64,21 @@ impl Elements {
     }
 
     /// Number of elements.
-    #[must_use]
     pub const fn len(&self) -> usize {
         self.slaves.len()
     }
 
     /// Whether there are none.
-    #[must_use]
     pub const fn is_empty(&self) -> bool {
         self.slaves.is_empty()
     }
 
     /// Master nodes of each.
-    #[must_use]
     pub const fn nodes(&self) -> usize {
         self.nodes
     }
 
     /// Coordinates the gap of one depends on, 3(n+1).
-    #[must_use]
     pub const fn degrees_of_freedom(&self) -> usize {
         3 * (self.nodes + 1)
     }
@@ -91,7 +87,6 @@ impl Elements {
     ///
     /// # Panics
     /// If there is no such element.
-    #[must_use]
     pub fn held(&self, index: usize) -> Element<'_> {
         let element = self.co_moving(index);
         element.with_frame(element.frame.held())
@@ -101,7 +96,6 @@ impl Elements {
     ///
     /// # Panics
     /// If there is no such element.
-    #[must_use]
     pub fn co_moving(&self, index: usize) -> Element<'_> {
         Element::new(
             self.slaves[index],

@@ -31,7 +31,6 @@ pub fn isa_named(name: &str) -> Result<Isa, UnknownIsa> {
 }
 
 /// Name of the instruction set the program is compiled for, which all but the generated kernels use.
-#[must_use]
 pub const fn compiled_for() -> &'static str {
     if cfg!(target_feature = "avx512f") {
         "avx512"
@@ -62,7 +61,6 @@ impl<'a> GapOneByOne<'a> {
     ///
     /// # Panics
     /// If the output is a surface.
-    #[must_use]
     pub fn new(elements: &'a Elements, output: Output, isa: Isa) -> Self {
         let (gradient, hessian) = (elements.degrees_of_freedom(), hessian_size(elements, output));
         let _ = gap_kernel(output);
@@ -113,7 +111,6 @@ pub struct SurfaceOneByOne<'a> {
 
 impl<'a> SurfaceOneByOne<'a> {
     /// For these elements.
-    #[must_use]
     pub fn new(elements: &'a Elements) -> Self {
         let freedoms = elements.degrees_of_freedom();
         let hessian = vec![0.0; freedoms * (freedoms + 1) / 2];
@@ -156,7 +153,6 @@ impl Run for SurfaceOneByOne<'_> {
 /// Operations of the generated kernel for one element: fused multiply-adds, and whatever else counts like one (an
 /// unpaired addition, a division, a root, a choice). The foot's equations count as often as these elements evaluate
 /// them on average.
-#[must_use]
 pub fn operations(output: Output, elements: &Elements) -> f64 {
     use codegen::{FrameRule, Mode, Output as Kernel};
     use diffuse_contact_codegen as codegen;
@@ -179,7 +175,6 @@ pub fn operations(output: Output, elements: &Elements) -> f64 {
 }
 
 /// Evaluations of the foot's equations for one element, the mean.
-#[must_use]
 pub fn foot_iterations(elements: &Elements) -> f64 {
     let iterations = |index| {
         let inputs = inputs(&elements.held(index), [0.0; 2]);

@@ -13,7 +13,6 @@ const SHORTEST: Duration = Duration::from_millis(20);
 /// Fused multiply-adds a nanosecond in one thread with these instructions; where they have none that are fused, pairs of
 /// a multiplication and an addition. Independent accumulators hide the latency; how many are best depends on registers
 /// and latency, so that several numbers are tried and the best counts.
-#[must_use]
 pub fn fma_per_ns(isa: Isa) -> f64 {
     let rates = [rate::<8>(isa), rate::<12>(isa), rate::<16>(isa), rate::<24>(isa)];
     rates.into_iter().fold(0.0, f64::max)

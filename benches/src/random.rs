@@ -8,13 +8,11 @@ pub struct Random(u64);
 
 impl Random {
     /// The sequence number `seed`.
-    #[must_use]
     pub const fn seeded(seed: u64) -> Self {
         Self(seed)
     }
 
     /// A source of its own for every sequence of keys.
-    #[must_use]
     pub fn new(keys: &[u64]) -> Self {
         let mut random = Self(0);
         for key in keys {

@@ -12,7 +12,6 @@ include!(concat!(env!("OUT_DIR"), "/diffuse_contact_kernels.rs"));
 use tet4::{Inputs, Results};
 
 /// So many different elements, with shapes and deformations at random.
-#[must_use]
 pub fn elements(count: usize) -> Vec<Inputs<f64>> {
     const CORNERS: [[f64; 3]; 4] = [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
     let mut random = Random::seeded(1);
@@ -28,7 +27,6 @@ pub fn elements(count: usize) -> Vec<Inputs<f64>> {
 /// Energy, gradient and Hessian by the closed form: with G = F⁻ᵀ, V the volume and g_k the gradients of the shape functions,
 ///
 /// P = μ (F − G) + λ ln J G and K_kl = V (μ (g_k·g_l) 1 + λ (G g_k)(G g_l)ᵀ + (μ − λ ln J) (G g_l)(G g_k)ᵀ).
-#[must_use]
 pub fn by_hand(inputs: &Inputs<f64>) -> Results {
     let Inputs { lambda, mu, .. } = *inputs;
     let edges = |x: &[[f64; 3]; 4]| {
@@ -91,7 +89,6 @@ fn energy<N: DualNum<Primitive = f64> + Copy>(x: &[[N; 3]; 4], inputs: &Inputs<f
 }
 
 /// Energy, gradient and Hessian by one evaluation over numbers with a gradient of 12 entries and a Hessian of 144.
-#[must_use]
 pub fn by_dual_numbers(inputs: &Inputs<f64>) -> Results {
     let seed = |k: usize, i: usize| Dual2SVec64::<12>::from_re(inputs.x[k][i]).derivative(3 * k + i);
     let x = [0, 1, 2, 3].map(|k| [0, 1, 2].map(|i| seed(k, i)));
@@ -106,7 +103,6 @@ pub fn by_dual_numbers(inputs: &Inputs<f64>) -> Results {
 }
 
 /// So many different hexahedra, with shapes and deformations at random.
-#[must_use]
 pub fn hexahedra(count: usize) -> Vec<hex8::Inputs<f64>> {
     let mut random = Random::seeded(2);
     let corner = |k: usize| [k & 1 ^ (k >> 1 & 1), k >> 1 & 1, k >> 2].map(|x| 2.0 * x as f64 - 1.0);

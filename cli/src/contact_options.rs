@@ -64,7 +64,6 @@ pub const RULES: [NeighbourRule; 4] = [
 
 impl ElementArguments {
     /// The symmetry planes.
-    #[must_use]
     pub fn planes(&self) -> Vec<SymmetryPlane> {
         self.symmetry.iter().map(|&axis| SymmetryPlane::across(axis as usize, [0.0; 3])).collect()
     }

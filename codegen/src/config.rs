@@ -120,7 +120,6 @@ impl Default for Config {
 impl Config {
     /// No weights and no facets yet; both built-in bases, quadratic and linear; output to `OUT_DIR`; support from the
     /// crate `diffuse-contact-kernels`.
-    #[must_use]
     pub fn new() -> Self {
         Self {
             weights: Vec::new(),

@@ -34,7 +34,6 @@ pub struct NodeInputs<N = f64> {
 
 impl NodeInputs {
     /// No values yet, for `count` nodes.
-    #[must_use]
     pub fn new(count: usize) -> Self {
         Self::with_nodes(count)
     }
@@ -42,7 +41,6 @@ impl NodeInputs {
 
 impl<N: Number> NodeInputs<N> {
     /// No values yet, of any kind of number, for `count` nodes.
-    #[must_use]
     pub fn with_nodes(count: usize) -> Self {
         let mut inputs = Self { count, element: FxHashMap::default(), node: FxHashMap::default() };
         inputs.set_element(crate::graph::NODE_COUNT, N::constant(count as f64));
@@ -98,7 +96,6 @@ struct RootSolution<N> {
 
 impl<'a, N: Number> Interpreter<'a, N> {
     /// An interpreter for one set of inputs.
-    #[must_use]
     pub fn new(graph: &'a Graph, inputs: &'a NodeInputs<N>) -> Self {
         Self {
             graph,

@@ -12,7 +12,6 @@ use crate::structure::{Gradient, Hessian, PointBlocks};
 use crate::table::Table;
 
 /// The kernel over a graph without structured nodes other than sums and roots.
-#[must_use]
 pub fn lower<S: Clone>(kernel: &Kernel<S>) -> Kernel<S> {
     let mut lowering = Lowering::new(kernel);
     let block = |l: &mut Lowering<'_>, b: &[[ExprId; 3]; 3]| b.map(|row| row.map(|x| l.lower(x)));

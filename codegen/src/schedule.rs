@@ -70,7 +70,6 @@ impl FormRows {
     }
 
     /// Whether this form has the rows b of another one, and a point besides.
-    #[must_use]
     pub fn extends(&self, other: &Self) -> bool {
         let b = |form: &Self| -> Vec<[ExprId; 3]> { form.rows.iter().step_by(2).copied().collect() };
         self.point.is_some() && other.point.is_none() && b(self) == b(other)
@@ -145,13 +144,11 @@ pub struct Program<S = KernelSpec> {
 
 impl<S: Clone> Program<S> {
     /// Schedules a lowered kernel.
-    #[must_use]
     pub fn new(kernel: Kernel<S>) -> Self {
         Scheduler::new(&kernel).run()
     }
 
     /// Whether the Hessians are two, of which the second's form [extends](FormRows::extends) the first's.
-    #[must_use]
     pub fn has_pair(&self) -> bool {
         matches!(&self.forms[..], [first, second] if second.extends(first))
     }

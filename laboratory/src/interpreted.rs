@@ -57,19 +57,16 @@ impl Default for Interpreted {
 
 impl Interpreted {
     /// A backend with this weight.
-    #[must_use]
     pub fn new(weight: Weight) -> Self {
         Self { weight, kernels: std::array::from_fn(|_| OnceLock::new()) }
     }
 
     /// The weight in force.
-    #[must_use]
     pub const fn weight(&self) -> &Weight {
         &self.weight
     }
 
     /// The weight at r, of an interpolating weight ω/(1 − ω) that of ω.
-    #[must_use]
     pub fn fitting_weight(&self, r: f64) -> f64 {
         self.weight.fitting_value(r)
     }

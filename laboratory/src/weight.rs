@@ -78,7 +78,6 @@ impl Weight {
     }
 
     /// What the generator makes kernels of.
-    #[must_use]
     pub fn for_generator(&self) -> codegen::Weight {
         match self {
             Self::BuiltIn(diffuse_contact::Weight::Cubic) => codegen::Weight::cubic(),
@@ -91,7 +90,6 @@ impl Weight {
     }
 
     /// The built-in weight, if it is one.
-    #[must_use]
     pub const fn as_built_in(&self) -> Option<diffuse_contact::Weight> {
         match self {
             Self::BuiltIn(weight) => Some(*weight),
@@ -100,7 +98,6 @@ impl Weight {
     }
 
     /// Formula in one line, after the name of a built-in weight.
-    #[must_use]
     pub fn description(&self) -> String {
         let weight = self.for_generator();
         let formula = weight.text().split_whitespace().collect::<Vec<_>>().join(" ");

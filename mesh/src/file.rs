@@ -26,7 +26,6 @@ pub fn replace(path: &Path, write: impl FnOnce(&mut BufWriter<&File>) -> io::Res
 }
 
 /// What the system says, in words and without its numbers.
-#[must_use]
 pub fn reason(error: &io::Error) -> String {
     use io::ErrorKind::{IsADirectory, NotADirectory, NotFound, PermissionDenied, StorageFull};
     match error.kind() {
@@ -54,7 +53,6 @@ impl Drop for Temporary {
 
 /// The name of the file that a temporary one of [`replace`] was to become, if `name` is that of such a one. It is left behind where a
 /// process was killed.
-#[must_use]
 pub fn target_of_temporary(name: &str) -> Option<&str> {
     let (target, writer) = name.strip_prefix('.')?.strip_suffix(".tmp")?.rsplit_once('.')?;
     let (process, count) = writer.split_once('-')?;

@@ -17,7 +17,6 @@ const LONGEST_SLIP: usize = 80;
 pub struct Shown<'a>(&'a str);
 
 /// A name for a message.
-#[must_use]
 pub fn shown(name: &(impl AsRef<str> + ?Sized)) -> Shown<'_> {
     Shown(name.as_ref())
 }
@@ -48,7 +47,6 @@ impl fmt::Debug for Shown<'_> {
 }
 
 /// A text in one line, with escapes for what is no printable character. Quotes and backslashes stay what they are.
-#[must_use]
 pub fn escaped(text: &str) -> String {
     let mut line = String::with_capacity(text.len());
     for letter in text.chars() {

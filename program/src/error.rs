@@ -55,7 +55,6 @@ impl CliError {
     }
 
     /// Whether the reader of standard output has gone away.
-    #[must_use]
     pub fn is_closed_pipe(&self) -> bool {
         matches!(self, Self::Stdout(reason) if reason.kind() == ErrorKind::BrokenPipe)
     }

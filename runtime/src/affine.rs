@@ -74,13 +74,11 @@ impl AffinePoint {
     }
 
     /// Carriers, ascending, with their weights.
-    #[must_use]
     pub fn terms(&self) -> &[(Carrier, f64)] {
         &self.terms
     }
 
     /// Where it is when `place` says where its carriers are.
-    #[must_use]
     pub fn position(&self, place: impl Fn(Carrier) -> Point) -> Point {
         // From one of its carriers: digits are those of the distances between them.
         let Some(&(first, _)) = self.terms.first() else { return [f64::NAN; 3] };
@@ -102,7 +100,6 @@ impl AffinePoint {
     }
 
     /// Σ f_k p_k of points p_k with factors f_k that add up to 1.
-    #[must_use]
     pub(crate) fn combined(points: &[(&Self, f64)]) -> Self {
         let part = |&(point, factor): &(&Self, f64)| {
             point.terms.iter().map(move |&(carrier, weight)| (carrier, factor * weight)).collect::<Vec<_>>()

@@ -6,7 +6,6 @@ const MOST_SWEEPS: usize = 12;
 /// Eigenvalues of a symmetric matrix, ascending, with unit eigenvectors. Reads the upper triangle. Small eigenvalues come
 /// out as exact as large ones allow, and eigenvectors are orthogonal to rounding however close eigenvalues are. With a NaN or an
 /// infinity in the matrix an eigenvalue is not finite either.
-#[must_use]
 pub fn symmetric_eigen<const N: usize>(mut a: [[f64; N]; N]) -> [(f64, [f64; N]); N] {
     // Rows become eigenvectors.
     let mut vectors: [[f64; N]; N] =
@@ -24,7 +23,6 @@ pub fn symmetric_eigen<const N: usize>(mut a: [[f64; N]; N]) -> [(f64, [f64; N])
 }
 
 /// The smallest and the largest eigenvalue of a symmetric matrix. Reads the upper triangle.
-#[must_use]
 pub fn extreme_eigenvalues<const N: usize>(mut a: [[f64; N]; N]) -> (f64, f64) {
     diagonalize(&mut a, |_, _, _, _| {});
     let values = (0..N).map(|k| a[k][k]);

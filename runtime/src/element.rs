@@ -40,7 +40,6 @@ pub struct Element<'a> {
 impl<'a> Element<'a> {
     /// The paper's element: one domain of influence with the radius `support_radius` around the slave, quadratic basis, cubic
     /// weight.
-    #[must_use]
     pub const fn new(slave: Point, masters: &'a [Point], frame: Frame, support_radius: f64) -> Self {
         Self {
             slave,
@@ -78,7 +77,6 @@ impl<'a> Element<'a> {
     }
 
     /// Number of global coordinates the gap depends on, 3(n+1).
-    #[must_use]
     pub const fn degrees_of_freedom(&self) -> usize {
         3 * (self.masters.len() + 1)
     }
@@ -88,7 +86,6 @@ impl<'a> Element<'a> {
     ///
     /// # Panics
     /// If there are fewer domains than masters.
-    #[must_use]
     pub fn nearest_in_plane(&self) -> usize {
         if let Domains::Material(nodes) = self.domains {
             return nearest_in_material(nodes);

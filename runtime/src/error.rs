@@ -147,7 +147,6 @@ impl ElementError {
     }
 
     /// Stable machine-readable code, used by the command-line program and the language bindings.
-    #[must_use]
     pub const fn code(&self) -> &'static str {
         match self {
             Self::TooFewNodes { .. } => "too-few-nodes",

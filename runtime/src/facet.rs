@@ -50,7 +50,6 @@ pub struct FacetPoint {
 
 impl FacetElement<'_> {
     /// Number of global coordinates the gap depends on, 3(n+1).
-    #[must_use]
     pub const fn degrees_of_freedom(&self) -> usize {
         3 * (self.corners.len() + 1)
     }
@@ -73,7 +72,6 @@ impl FacetElement<'_> {
     }
 
     /// Whether natural coordinates lie on the facet, or within `tolerance` of it in their own measure. False for a NaN.
-    #[must_use]
     pub fn contains(&self, natural: [f64; 2], tolerance: f64) -> bool {
         let [xi, eta] = natural;
         if self.corners.len() == 3 {

@@ -135,7 +135,6 @@ impl WithLanes for FootRows<'_> {
 
 impl HessianForm {
     /// How many numbers [`gap_foot_batch`](Generated::gap_foot_batch) gives.
-    #[must_use]
     pub const fn foot_numbers(self) -> usize {
         self.rows().foot_numbers()
     }

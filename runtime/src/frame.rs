@@ -255,7 +255,6 @@ impl Frame {
     }
 
     /// The three directions as rows, in the order (t1, t2, n̂).
-    #[must_use]
     pub const fn rows(&self) -> [Point; 3] {
         [self.t1, self.t2, self.normal]
     }

@@ -32,7 +32,6 @@ pub struct GeneratedWith<K>(PhantomData<K>);
 
 impl<K> GeneratedWith<K> {
     /// The backend of the kernel set `K`.
-    #[must_use]
     pub const fn new() -> Self {
         Self(PhantomData)
     }

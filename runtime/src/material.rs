@@ -70,7 +70,6 @@ impl MaterialPlace {
     }
 
     /// The masters as an element takes them.
-    #[must_use]
     pub fn nodes(&self, domains: &[MaterialDomain]) -> Vec<MaterialNode> {
         domains.iter().map(|domain| domain.from(self.place)).collect()
     }
@@ -89,7 +88,6 @@ impl MaterialDomain {
     /// assert_eq!(domain.from([3.0, 0.0, 0.0]).distance(), 1.0);
     /// assert_eq!(domain.ellipsoid(), squares);
     /// ```
-    #[must_use]
     pub fn of_ellipsoid(position: Point, squares: [[f64; 3]; 3]) -> Option<Self> {
         let [[c_xx, c_xy, c_xz], [_, c_yy, c_yz], [_, _, c_zz]] = squares;
         let root = |square: f64, whole: f64| {
@@ -108,7 +106,6 @@ impl MaterialDomain {
     }
 
     /// C of [`of_ellipsoid`](Self::of_ellipsoid).
-    #[must_use]
     pub fn ellipsoid(&self) -> [[f64; 3]; 3] {
         let [u_xx, u_xy, u_xz, u_yy, u_yz, u_zz] = self.metric;
         let [xx, yy, zz] = [u_xx, u_yy, u_zz].map(f64::recip);
@@ -118,7 +115,6 @@ impl MaterialDomain {
     }
 
     /// The node seen from a place.
-    #[must_use]
     pub fn from(&self, place: Point) -> MaterialNode {
         let offset = [0, 1, 2].map(|k| self.position[k] - place[k]);
         MaterialNode { offset, metric: self.metric }

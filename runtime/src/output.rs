@@ -11,13 +11,11 @@ pub struct SymmetricMatrix {
 
 impl SymmetricMatrix {
     /// A zero matrix with `size` rows.
-    #[must_use]
     pub fn zeros(size: usize) -> Self {
         Self { size, packed: vec![0.0; size * (size + 1) / 2] }
     }
 
     /// Number of rows; 0 when no Hessian was asked for.
-    #[must_use]
     pub const fn size(&self) -> usize {
         self.size
     }
@@ -26,7 +24,6 @@ impl SymmetricMatrix {
     ///
     /// # Panics
     /// If an index is not below [`size`](Self::size).
-    #[must_use]
     pub fn get(&self, row: usize, column: usize) -> f64 {
         assert!(row < self.size && column < self.size, "({row}, {column}) outside {0} × {0}", self.size);
         let (i, j) = if row >= column { (row, column) } else { (column, row) };
@@ -34,7 +31,6 @@ impl SymmetricMatrix {
     }
 
     /// The packed lower triangle.
-    #[must_use]
     pub fn packed(&self) -> &[f64] {
         &self.packed
     }
@@ -45,7 +41,6 @@ impl SymmetricMatrix {
     }
 
     /// All rows written out.
-    #[must_use]
     pub fn to_rows(&self) -> Vec<Vec<f64>> {
         (0..self.size).map(|i| (0..self.size).map(|j| self.get(i, j)).collect()).collect()
     }
@@ -129,7 +124,6 @@ pub struct Slip {
 
 impl Slip {
     /// The slip √(2q), length.
-    #[must_use]
     pub fn length(&self) -> f64 {
         (2.0 * self.half_square).sqrt()
     }
@@ -138,7 +132,6 @@ impl Slip {
 impl Gap {
     /// Whether the slave penetrates, g < 0. Penalty forces act only then; [`contact_force`](Self::contact_force) and
     /// [`tangent`](Self::tangent) evaluate (33) and (43) for either sign and leave the choice to the caller.
-    #[must_use]
     pub fn is_penetrating(&self) -> bool {
         self.gap < 0.0
     }
@@ -146,13 +139,11 @@ impl Gap {
     /// Contact force of a penalty, −ε g N (Chamoret et al. 2008, eq. 33: R_c), on each node, 3(n+1) entries.
     ///
     /// `penalty` is ε, force per length. Without N, in value mode, it is empty.
-    #[must_use]
     pub fn contact_force(&self, penalty: f64) -> Vec<f64> {
         self.gradient.iter().map(|n| -penalty * self.gap * n).collect()
     }
 
     /// Penalty tangent K_c = −∂R_c/∂x = ε (g M + N Nᵀ) (43), 3(n+1) square. Without M, below Hessian mode, it is 0 × 0.
-    #[must_use]
     pub fn tangent(&self, penalty: f64) -> SymmetricMatrix {
         let mut tangent = SymmetricMatrix::zeros(self.hessian.size());
         let mut entries = tangent.packed.iter_mut().zip(&self.hessian.packed);

@@ -49,7 +49,6 @@ impl NearestNodes {
     }
 
     /// The master nodes, in the order given.
-    #[must_use]
     pub fn points(&self) -> &[Point] {
         &self.points
     }
@@ -65,7 +64,6 @@ impl NearestNodes {
     /// assert_eq!(nodes.masters([0.0; 3], 2), [1, 2]);
     /// # Ok::<(), diffuse_contact::ElementError>(())
     /// ```
-    #[must_use]
     pub fn masters(&self, slave: Point, m: usize) -> Vec<usize> {
         let mut found = self.candidates(slave, m);
         found.sort_by(|&i, &j| {
@@ -119,7 +117,6 @@ pub struct Pairing {
 
 impl Pairing {
     /// The element of this pairing with the slave at `slave`.
-    #[must_use]
     pub fn element(&self, slave: Point) -> Element<'_> {
         let domains =
             if self.material.is_empty() { Domains::Shared } else { Domains::Material(&self.material) };
@@ -133,7 +130,6 @@ impl Pairing {
 /// Default support radius: [`SUPPORT_RADIUS_FACTOR`] × the largest in-plane distance of a master from the slave.
 ///
 /// 0 if all masters lie straight above or below the slave, which no element accepts.
-#[must_use]
 pub fn support_radius(frame: &Frame, slave: Point, masters: &[Point]) -> f64 {
     let farthest = masters
         .iter()
@@ -150,7 +146,6 @@ pub fn support_radius(frame: &Frame, slave: Point, masters: &[Point]) -> f64 {
 ///
 /// # Panics
 /// If a facet names a node that is not in `points`.
-#[must_use]
 pub fn node_normals<F: AsRef<[usize]>>(points: &[Point], facets: &[F]) -> Vec<Point> {
     let mut normals = vec![Vector3::zeros(); points.len()];
     for facet in facets {
@@ -167,7 +162,6 @@ pub fn node_normals<F: AsRef<[usize]>>(points: &[Point], facets: &[F]) -> Vec<Po
 
 /// Outward direction for a set of masters: the mean of their [`node_normals`], each scaled to the same length so
 /// that a few large facets do not outweigh the others.
-#[must_use]
 pub fn outward(normals: &[Point], masters: &[usize]) -> Point {
     masters.iter().filter_map(|&k| Vector3::from(normals[k]).try_normalize()).sum::<Vector3>().into()
 }

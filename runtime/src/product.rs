@@ -68,13 +68,11 @@ impl HessianForm {
     }
 
     /// Rows and columns of M, 3(n+1).
-    #[must_use]
     pub const fn degrees_of_freedom(self) -> usize {
         3 * (self.0.count + 1)
     }
 
     /// How many numbers the factors are.
-    #[must_use]
     pub const fn numbers(self) -> usize {
         self.0.factors()
     }
@@ -99,13 +97,11 @@ impl HessianForm {
 
 impl HessianFactors {
     /// How the numbers lie.
-    #[must_use]
     pub const fn form(&self) -> HessianForm {
         self.form
     }
 
     /// The factors.
-    #[must_use]
     pub fn numbers(&self) -> &[f64] {
         &self.numbers
     }
@@ -119,7 +115,6 @@ impl HessianFactors {
     }
 
     /// The diagonal of M, 3(n+1) entries.
-    #[must_use]
     pub fn diagonal(&self) -> Vec<f64> {
         let mut diagonal = vec![0.0; self.form.degrees_of_freedom()];
         self.form.diagonal(&self.numbers, &mut diagonal);

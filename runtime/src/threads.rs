@@ -35,7 +35,6 @@ impl Default for Threads {
 
 impl Threads {
     /// One for each core, or as many as the environment variable `RAYON_NUM_THREADS` says. None is started yet.
-    #[must_use]
     pub const fn new() -> Self {
         Self(Mutex::new(State { count: 0, pool: None }))
     }

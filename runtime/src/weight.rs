@@ -54,7 +54,6 @@ impl Weight {
         if cfg!(feature = "interpolating") { &[] } else { &["cubic-interpolating"] };
 
     /// Whether the surface passes through the master nodes.
-    #[must_use]
     pub const fn is_interpolating(self) -> bool {
         match self {
             #[cfg(feature = "interpolating")]
@@ -64,7 +63,6 @@ impl Weight {
     }
 
     /// Name in input and output files.
-    #[must_use]
     pub const fn name(self) -> &'static str {
         match self {
             Self::Cubic => "cubic",
@@ -75,7 +73,6 @@ impl Weight {
     }
 
     /// The weight at r; of an interpolating weight ω/(1 − ω) that of ω. 0 where r ≥ 1.
-    #[must_use]
     pub fn fitting(self, r: f64) -> f64 {
         with_kernels!(self, K => K::fitting_weight(r))
     }

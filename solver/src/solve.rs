@@ -28,7 +28,6 @@ pub struct SolveOptions {
 
 impl SolveOptions {
     /// Results go to a directory that holds none, one thread solves linear systems.
-    #[must_use]
     pub fn new(out: impl Into<PathBuf>) -> Self {
         Self { out: out.into(), restart: false, overwrite: false, threads: 1 }
     }
@@ -205,7 +204,6 @@ pub fn problem(deck: &Deck, model: &Model, threads: usize) -> Result<Problem, So
 }
 
 /// How a deck's problem is solved.
-#[must_use]
 pub fn settings(deck: &Deck) -> Settings {
     Settings::new(deck.time, deck.newton)
 }

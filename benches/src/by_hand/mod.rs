@@ -60,7 +60,6 @@ fn product<const R: usize, const K: usize, const C: usize>(
 }
 
 /// The contender for these elements; `None` if they have fewer than 6 or more than 24 nodes.
-#[must_use]
 pub fn prepare(elements: &Elements) -> Option<Box<dyn Run + '_>> {
     macro_rules! by_nodes {
         ($($nodes:literal)*) => {

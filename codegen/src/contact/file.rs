@@ -33,7 +33,6 @@ pub struct EmitOptions<'a> {
 
 impl<'a> EmitOptions<'a> {
     /// Kernels of these bases for the gap alone, for a crate that is compiled with optimisation.
-    #[must_use]
     pub const fn new(support: &'a syn::Path, bases: &'a [Basis]) -> Self {
         Self { support, bases, fit: false, friction: false, optimised: true }
     }
@@ -138,7 +137,6 @@ pub(super) fn basis_constant(basis: Basis) -> proc_macro2::Ident {
 }
 
 /// One kernel as a formatted file, to be read.
-#[must_use]
 pub fn emit_single(spec: &KernelSpec, support: &syn::Path) -> (String, EmittedKernel<KernelSpec>) {
     let kernel = emit_kernel(spec);
     let tokens = &kernel.tokens;
@@ -152,7 +150,6 @@ pub fn emit_single(spec: &KernelSpec, support: &syn::Path) -> (String, EmittedKe
 }
 
 /// One kernel of an element as a formatted file, to be read.
-#[must_use]
 pub fn emit_single_element(
     kernel: &Kernel<ElementSpec>,
     support: &syn::Path,

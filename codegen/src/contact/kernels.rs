@@ -15,7 +15,6 @@ use crate::schedule::Program;
 const NODE_INPUTS: [&str; 4] = ["master_x", "master_y", "master_z", DOMAIN_RATIO];
 
 /// Lowers, schedules and writes a kernel.
-#[must_use]
 pub fn emit_kernel(spec: &KernelSpec) -> EmittedKernel<KernelSpec> {
     let program = Program::new(lower(&Kernel::new(spec.clone())));
     let held = (spec.output.has_gap() && spec.frame == FrameRule::Held)

@@ -24,7 +24,6 @@ pub struct OpCounts {
 
 impl OpCounts {
     /// All operations.
-    #[must_use]
     pub const fn total(&self) -> usize {
         self.fused
             + self.additions
@@ -87,7 +86,6 @@ pub struct KernelCounts {
 
 impl KernelCounts {
     /// Operations for `nodes` master nodes, with one evaluation of the roots' equations.
-    #[must_use]
     pub fn total(&self, nodes: usize) -> OpCounts {
         self.element
             + self.iteration

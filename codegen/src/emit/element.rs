@@ -16,7 +16,6 @@ use crate::model::{ElementError, ElementKernels, ElementSpec, Kernel, Mode};
 use crate::schedule::Program;
 
 /// Lowers, schedules and writes a kernel of an element.
-#[must_use]
 pub fn emit_element_kernel(kernel: &Kernel<ElementSpec>) -> EmittedElementKernel {
     let program = Program::new(lower(kernel));
     let spec = &program.kernel.spec;

@@ -63,13 +63,11 @@ pub(crate) const AXES: [&str; 3] = ["x", "y", "z"];
 
 impl<'g> Expr<'g> {
     /// Its sheet.
-    #[must_use]
     pub const fn sheet(self) -> &'g Sheet {
         self.sheet
     }
 
     /// Its id in the graph.
-    #[must_use]
     pub const fn id(self) -> ExprId {
         self.id
     }
@@ -101,7 +99,6 @@ impl<'g> Expr<'g> {
     }
 
     /// Its scope.
-    #[must_use]
     pub fn scope(self) -> Scope {
         self.sheet.graph().scope(self.id)
     }
@@ -110,7 +107,6 @@ impl<'g> Expr<'g> {
     ///
     /// # Panics
     /// If it is no symbol.
-    #[must_use]
     pub fn symbol(self) -> SymbolId {
         self.sheet.graph().symbol_of(self.id)
     }
@@ -119,7 +115,6 @@ impl<'g> Expr<'g> {
     ///
     /// # Panics
     /// If it is no symbol.
-    #[must_use]
     pub fn symbol_name(self) -> String {
         let symbol = self.symbol();
         self.sheet.graph().symbol_data(symbol).name.clone()
@@ -129,7 +124,6 @@ impl<'g> Expr<'g> {
     ///
     /// # Panics
     /// If it is no symbol.
-    #[must_use]
     pub fn definition(self) -> Option<Self> {
         let symbol = self.symbol();
         let definition = self.sheet.graph().symbol_data(symbol).definition;
@@ -137,32 +131,27 @@ impl<'g> Expr<'g> {
     }
 
     /// Its operation, by ids.
-    #[must_use]
     pub fn operation(self) -> Op {
         self.sheet.graph().op(self.id)
     }
 
     /// Whether it has a name in emitted code.
-    #[must_use]
     pub fn has_name(self) -> bool {
         self.sheet.graph().name_of(self.id).is_some()
     }
 
     /// A number and the other factors, in a fixed order; one factor if it is no product.
-    #[must_use]
     pub fn factors(self) -> (f64, Vec<Self>) {
         let (coefficient, factors) = self.sheet.graph().coefficient_and_factors(self.id);
         (coefficient, self.sheet.exprs(factors))
     }
 
     /// The number it is, if it is one.
-    #[must_use]
     pub fn value(self) -> Option<f64> {
         self.sheet.graph().constant_value(self.id)
     }
 
     /// Whether a symbol is among what it is made of; definitions of bound symbols are not entered.
-    #[must_use]
     pub fn contains(self, symbol: Self) -> bool {
         self.sheet.graph().contains(self.id, symbol.id)
     }
@@ -174,7 +163,6 @@ impl<'g> Expr<'g> {
     }
 
     /// Whether it is the number 0.
-    #[must_use]
     pub fn is_zero(self) -> bool {
         self.value() == Some(0.0)
     }
@@ -325,7 +313,6 @@ impl<'g> Expr<'g> {
     }
 
     /// The condition x < y.
-    #[must_use]
     pub fn less(self, other: impl Term<'g>) -> Less<'g> {
         Less(self, other.on(self.sheet))
     }
@@ -333,7 +320,6 @@ impl<'g> Expr<'g> {
 
 impl<'g> Less<'g> {
     /// `then` where the condition holds, `otherwise` elsewhere.
-    #[must_use]
     pub fn select(self, then: impl Term<'g>, otherwise: impl Term<'g>) -> Expr<'g> {
         let Self(x, y) = self;
         let (then, otherwise) = (then.on(x.sheet).id, otherwise.on(x.sheet).id);
@@ -363,7 +349,6 @@ pub fn total<'g>(terms: impl IntoIterator<Item = impl Borrow<Expr<'g>>>) -> Expr
 }
 
 /// Several expressions where symbols have other values, see [`Expr::at`].
-#[must_use]
 pub fn all_at<'g>(exprs: &[Expr<'g>], values: &[(Expr<'g>, Expr<'g>)]) -> Vec<Expr<'g>> {
     let (sheet, exprs) = on_sheet(exprs);
     let values = values_on(sheet, values);
@@ -381,7 +366,6 @@ pub fn bind_all<'g>(name: &str, exprs: &[Expr<'g>]) -> Vec<Expr<'g>> {
 }
 
 /// Ids of expressions.
-#[must_use]
 pub fn ids(exprs: &[Expr<'_>]) -> Vec<ExprId> {
     exprs.iter().map(|x| x.id()).collect()
 }

@@ -47,13 +47,11 @@ impl Graph {
 
 impl Sheet {
     /// An empty sheet.
-    #[must_use]
     pub fn new() -> Self {
         Self::default()
     }
 
     /// The graph with all that was written.
-    #[must_use]
     pub fn into_graph(self) -> Graph {
         self.0.into_inner()
     }
@@ -74,7 +72,6 @@ impl Sheet {
     }
 
     /// The expression with this id.
-    #[must_use]
     pub const fn expr(&self, id: ExprId) -> Expr<'_> {
         Expr { sheet: self, id }
     }
@@ -85,7 +82,6 @@ impl Sheet {
     }
 
     /// A new input.
-    #[must_use]
     pub fn input(&self, name: &str, scope: Scope) -> Expr<'_> {
         self.make(|g| g.input(name, scope))
     }
@@ -96,43 +92,36 @@ impl Sheet {
     }
 
     /// New inputs `name_x`, `name_y`, `name_z`: a vector in global axes.
-    #[must_use]
     pub fn vector(&self, name: &str, scope: Scope) -> Vec3<'_> {
         Vector(AXES.map(|axis| self.input(&format!("{name}_{axis}"), scope)))
     }
 
     /// A new free variable, see [`Graph::variable`].
-    #[must_use]
     pub fn variable(&self, name: &str) -> Expr<'_> {
         self.make(|g| g.variable(name))
     }
 
     /// The expression of a symbol.
-    #[must_use]
     pub fn symbol(&self, symbol: SymbolId) -> Expr<'_> {
         self.make(|g| g.intern(Op::Symbol(symbol)))
     }
 
     /// New free variables.
-    #[must_use]
     pub fn variables<const N: usize>(&self, names: [&str; N]) -> Vector<'_, N> {
         Vector(names.map(|name| self.variable(name)))
     }
 
     /// A number.
-    #[must_use]
     pub fn number(&self, value: f64) -> Expr<'_> {
         self.make(|g| g.constant(value))
     }
 
     /// 0
-    #[must_use]
     pub fn zero(&self) -> Expr<'_> {
         self.number(0.0)
     }
 
     /// 1
-    #[must_use]
     pub fn one(&self) -> Expr<'_> {
         self.number(1.0)
     }
@@ -161,7 +150,6 @@ impl Sheet {
     }
 
     /// A⁻¹ b: of up to three unknowns by Cramer's rule, of more with a search for pivots in the kernel.
-    #[must_use]
     pub(crate) fn solve_general<'g>(
         &'g self,
         name: &str,
@@ -176,7 +164,6 @@ impl Sheet {
     }
 
     /// The inverse of a matrix of the element, by rows; of more than three a column at a time, each by a search for pivots.
-    #[must_use]
     pub(crate) fn inverse_general<'g>(&'g self, name: &str, matrix: &[Vec<Expr<'g>>]) -> Vec<Vec<Expr<'g>>> {
         let size = matrix.len();
         if size <= MOST_BY_CRAMER {
@@ -189,7 +176,6 @@ impl Sheet {
     }
 
     /// A figure of a root's iteration.
-    #[must_use]
     pub fn root_figure(&self, root: RootId, figure: RootFigure) -> Expr<'_> {
         self.make(|g| g.root_figure(root, figure))
     }

@@ -10,7 +10,6 @@ pub(crate) const MOST_BY_CRAMER: usize = 3;
 ///
 /// # Panics
 /// If the matrix is empty or larger than 3 × 3, where expansion is no longer the right method.
-#[must_use]
 pub fn determinant<'g>(matrix: &[Vec<Expr<'g>>]) -> Expr<'g> {
     assert!((1..=MOST_BY_CRAMER).contains(&matrix.len()), "determinants by expansion are for 1 to 3 rows");
     if let [row] = matrix {
@@ -30,7 +29,6 @@ pub fn determinant<'g>(matrix: &[Vec<Expr<'g>>]) -> Expr<'g> {
 ///
 /// # Panics
 /// As [`determinant`].
-#[must_use]
 pub fn solve<'g>(matrix: &[Vec<Expr<'g>>], right_hand_side: &[Expr<'g>]) -> Vec<Expr<'g>> {
     let reciprocal = 1.0 / determinant(matrix);
     (0..matrix.len())
@@ -48,7 +46,6 @@ pub fn solve<'g>(matrix: &[Vec<Expr<'g>>], right_hand_side: &[Expr<'g>]) -> Vec<
 ///
 /// # Panics
 /// As [`determinant`].
-#[must_use]
 pub fn inverse<'g>(matrix: &[Vec<Expr<'g>>]) -> Vec<Vec<Expr<'g>>> {
     let (size, sheet) = (matrix.len(), matrix[0][0].sheet());
     let columns: Vec<_> = (0..size)
@@ -63,7 +60,6 @@ pub fn inverse<'g>(matrix: &[Vec<Expr<'g>>]) -> Vec<Vec<Expr<'g>>> {
 
 /// Inverse of `matrix`, by rows, by elimination in the order of its rows: pivots are not searched for. What it makes is bound to
 /// `name_step_1`, …, so that derivatives see the inverse as a constant.
-#[must_use]
 pub fn inverse_by_elimination<'g>(matrix: &[Vec<Expr<'g>>], name: &str) -> Vec<Vec<Expr<'g>>> {
     let (size, sheet) = (matrix.len(), matrix[0][0].sheet());
     // (matrix | identity) → (identity | inverse)

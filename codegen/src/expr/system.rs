@@ -12,7 +12,6 @@ pub struct System<'g> {
 
 impl SymmetricSystem {
     /// See [`new`](Self::new).
-    #[must_use]
     pub fn of(name: &str, lower: &[Vec<Expr<'_>>], order: Vec<usize>) -> Self {
         Self::new(name, lower.iter().map(|row| ids(row)).collect(), order)
     }
@@ -20,7 +19,6 @@ impl SymmetricSystem {
 
 impl Sheet {
     /// Adds a symmetric system.
-    #[must_use]
     pub fn system(&self, system: SymmetricSystem) -> System<'_> {
         System { sheet: self, id: self.edit(|g| g.add_system(system)) }
     }
@@ -28,25 +26,21 @@ impl Sheet {
 
 impl<'g> System<'g> {
     /// Its sheet.
-    #[must_use]
     pub const fn sheet(self) -> &'g Sheet {
         self.sheet
     }
 
     /// A⁻¹ b
-    #[must_use]
     pub fn solve(self, right_hand_side: &[Expr<'g>]) -> Vec<Expr<'g>> {
         self.sheet.exprs(self.sheet.edit(|g| g.solve_symmetric(self.id, ids(right_hand_side))))
     }
 
     /// The same; what was solved before is not solved again.
-    #[must_use]
     pub(crate) fn solve_once(self, right_hand_side: &[Expr<'g>]) -> Vec<Expr<'g>> {
         self.sheet.exprs(self.sheet.edit(|g| g.solve_symmetric_once(self.id, &ids(right_hand_side))))
     }
 
     /// A⁻¹ b as variables `name_0`, …, the same ones for the same b; 0 for 0.
-    #[must_use]
     pub fn solve_bound(self, right_hand_side: &[Expr<'g>], name: &str) -> Vec<Expr<'g>> {
         if right_hand_side.iter().all(|x| x.is_zero()) {
             return right_hand_side.to_vec();
@@ -57,7 +51,6 @@ impl<'g> System<'g> {
     }
 
     /// L⁻¹ v, rows in elimination order.
-    #[must_use]
     pub fn apply_inverse_factor(self, vector: &[Expr<'g>]) -> Vec<Expr<'g>> {
         let order = |k| self.sheet.graph().system(self.id).eliminated(k);
         let permuted: Vec<Expr<'g>> = (0..vector.len()).map(|k| vector[order(k)]).collect();
@@ -70,19 +63,16 @@ impl<'g> System<'g> {
     }
 
     /// Smallest pivot of the factorisation, relative to its reference.
-    #[must_use]
     pub fn pivot_ratio(self) -> Expr<'g> {
         self.sheet.make(|g| g.intern(Op::PivotRatio(self.id)))
     }
 
     /// Whether the pivot at a position of the factorisation is negative.
-    #[must_use]
     pub fn is_negative(self, position: usize) -> bool {
         self.sheet.graph().system(self.id).is_negative(position)
     }
 
     /// Entry (row, column) of the matrix.
-    #[must_use]
     pub fn entry(self, row: usize, column: usize) -> Expr<'g> {
         let id = self.sheet.graph().system(self.id).entry(row, column);
         self.sheet.expr(id)

@@ -29,13 +29,11 @@ impl<'g, const N: usize> Vector<'g, N> {
     }
 
     /// The vector of numbers.
-    #[must_use]
     pub fn numbers(sheet: &'g Sheet, values: [f64; N]) -> Self {
         Self(values.map(|value| sheet.number(value)))
     }
 
     /// Zeros.
-    #[must_use]
     pub fn zero(sheet: &'g Sheet) -> Self {
         Self([sheet.zero(); N])
     }
@@ -53,19 +51,16 @@ impl<'g, const N: usize> Vector<'g, N> {
     }
 
     /// Ids of the entries.
-    #[must_use]
     pub fn ids(self) -> [ExprId; N] {
         self.0.map(Expr::id)
     }
 
     /// x · y
-    #[must_use]
     pub fn dot(self, other: Self) -> Expr<'g> {
         dot(self.0, other.0)
     }
 
     /// √(x · x), with derivatives that are finite at the origin wherever the function's are.
-    #[must_use]
     pub fn norm(self) -> Expr<'g> {
         match self.0.as_slice() {
             [] => panic!("a vector without entries has no norm"),
@@ -82,7 +77,6 @@ impl<'g, const N: usize> Vector<'g, N> {
     }
 
     /// x yᵀ
-    #[must_use]
     pub fn outer<const C: usize>(self, other: Vector<'g, C>) -> Matrix<'g, N, C> {
         Matrix::from_fn(|row, column| self[row] * other[column])
     }
@@ -118,7 +112,6 @@ impl<'g, const N: usize> Vector<'g, N> {
     }
 
     /// ∂(entry i)/∂(symbol j)
-    #[must_use]
     pub fn jacobian<const C: usize>(self, symbols: Vector<'g, C>) -> Matrix<'g, N, C> {
         Matrix::from_fn(|row, column| self[row].by(symbols[column]))
     }
@@ -137,7 +130,6 @@ impl<'g> Vec3<'g> {
 
 impl<'g> Expr<'g> {
     /// Derivatives by the symbols of a vector.
-    #[must_use]
     pub fn gradient<const N: usize>(self, symbols: Vector<'g, N>) -> Vector<'g, N> {
         symbols.map(|symbol| self.by(symbol))
     }
@@ -149,7 +141,6 @@ pub(crate) fn entry_name<const N: usize>(name: &str, k: usize) -> String {
 
 impl<'g, const R: usize, const C: usize> Matrix<'g, R, C> {
     /// Zeros.
-    #[must_use]
     pub fn zero(sheet: &'g Sheet) -> Self {
         Self([[sheet.zero(); C]; R])
     }
@@ -172,25 +163,21 @@ impl<'g, const R: usize, const C: usize> Matrix<'g, R, C> {
     }
 
     /// Ids of the entries.
-    #[must_use]
     pub fn ids(self) -> [[ExprId; C]; R] {
         self.0.map(|row| row.map(Expr::id))
     }
 
     /// The matrix of these columns.
-    #[must_use]
     pub fn from_columns(columns: [Vector<'g, R>; C]) -> Self {
         Self::from_fn(|row, column| columns[column][row])
     }
 
     /// A row.
-    #[must_use]
     pub fn row(self, row: usize) -> Vector<'g, C> {
         Vector(self[row])
     }
 
     /// A column.
-    #[must_use]
     pub fn column(self, column: usize) -> Vector<'g, R> {
         Vector::from_fn(|row| self[row][column])
     }
@@ -202,7 +189,6 @@ impl<'g, const R: usize, const C: usize> Matrix<'g, R, C> {
     }
 
     /// A : B = Σ a_ij b_ij
-    #[must_use]
     pub fn double_dot(self, other: Self) -> Expr<'g> {
         dot(self.as_flattened(), other.as_flattened())
     }
@@ -239,19 +225,16 @@ impl<'g, const N: usize> Matrix<'g, N, N> {
     }
 
     /// Ones on the diagonal.
-    #[must_use]
     pub fn identity(sheet: &'g Sheet) -> Self {
         Self::from_fn(|row, column| f64::from(u8::from(row == column)).on(sheet))
     }
 
     /// tr A
-    #[must_use]
     pub fn trace(self) -> Expr<'g> {
         total((0..N).map(|k| self[k][k]))
     }
 
     /// det A, for one to three rows.
-    #[must_use]
     pub fn determinant(self) -> Expr<'g> {
         const { assert!(1 <= N && N <= small::MOST_BY_CRAMER) }
         small::determinant(&self.rows())
@@ -266,7 +249,6 @@ impl<'g, const N: usize> Matrix<'g, N, N> {
     }
 
     /// A⁻¹ b by Cramer's rule, for one to three rows.
-    #[must_use]
     pub fn solve(self, right_hand_side: Vector<'g, N>) -> Vector<'g, N> {
         const { assert!(1 <= N && N <= small::MOST_BY_CRAMER) }
         let solution = small::solve(&self.rows(), &right_hand_side.0);

@@ -58,7 +58,6 @@ impl Formula {
     }
 
     /// Value at r.
-    #[must_use]
     pub fn evaluate(&self, r: f64) -> f64 {
         match self {
             Self::Number(value) => *value,
@@ -82,7 +81,6 @@ impl Formula {
     }
 
     /// Coefficients of 1, r, r², … if the formula is a polynomial.
-    #[must_use]
     pub fn polynomial(&self) -> Option<Vec<f64>> {
         let product = |p: &[f64], q: &[f64]| {
             let mut result = vec![0.0; p.len() + q.len() - 1];
@@ -121,7 +119,6 @@ impl Formula {
     }
 
     /// The first `count` Taylor coefficients at r = 0⁺; not finite where there is no expansion.
-    #[must_use]
     pub fn taylor(&self, count: usize) -> Vec<f64> {
         series::taylor(self, count)
     }

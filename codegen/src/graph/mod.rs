@@ -35,7 +35,6 @@ macro_rules! id {
 
         impl $name {
             /// Position in its arena.
-            #[must_use]
             pub const fn index(self) -> usize {
                 self.0 as usize
             }
@@ -103,7 +102,6 @@ pub enum Function {
 
 impl Function {
     /// Value at x.
-    #[must_use]
     pub fn evaluate(self, x: f64) -> f64 {
         match self {
             Self::Ln => x.ln(),
@@ -114,7 +112,6 @@ impl Function {
     }
 
     /// Name of the method in emitted code.
-    #[must_use]
     pub const fn name(self) -> &'static str {
         match self {
             Self::Ln => "ln",
@@ -266,45 +263,38 @@ pub struct Graph {
 
 impl Graph {
     /// An empty graph.
-    #[must_use]
     pub fn new() -> Self {
         Self::default()
     }
 
     /// The operation of an expression.
-    #[must_use]
     pub fn op(&self, expr: ExprId) -> Op {
         self.ops[expr.index()]
     }
 
     /// The scope of an expression.
-    #[must_use]
     pub fn scope(&self, expr: ExprId) -> Scope {
         self.scopes[expr.index()]
     }
 
     /// Number of expressions made so far.
-    #[must_use]
     pub fn len(&self) -> usize {
         self.ops.len()
     }
 
     /// Whether no expression was made yet.
-    #[must_use]
     pub fn is_empty(&self) -> bool {
         self.ops.is_empty()
     }
 
     /// The operands of an expression. Symbols, systems and roots have dependencies of another kind:
     /// [`dependencies`](Self::dependencies) follows those too.
-    #[must_use]
     pub fn operands(&self, expr: ExprId) -> Vec<ExprId> {
         self.op(expr).operands()
     }
 
     /// Everything an expression's value depends on directly: operands, a bound symbol's definition, the
     /// entries of a system and its right-hand side, the parameters of a root, or its value where that is known.
-    #[must_use]
     pub fn dependencies(&self, expr: ExprId) -> Vec<ExprId> {
         match self.op(expr) {
             Op::Symbol(symbol) => self.symbols[symbol.index()].definition.into_iter().collect(),
@@ -331,7 +321,6 @@ impl Graph {
 
     /// What an expression changes with, directly: its [`dependencies`](Self::dependencies), but nothing of a held symbol, and of a root
     /// that is known the parameters of its equations.
-    #[must_use]
     pub fn varying_dependencies(&self, expr: ExprId) -> Vec<ExprId> {
         match self.op(expr) {
             Op::Symbol(symbol) if self.symbols[symbol.index()].is_held => Vec::new(),
@@ -341,31 +330,26 @@ impl Graph {
     }
 
     /// A symbol's data.
-    #[must_use]
     pub fn symbol_data(&self, symbol: SymbolId) -> &Symbol {
         &self.symbols[symbol.index()]
     }
 
     /// The polynomial with this id.
-    #[must_use]
     pub fn polynomial_data(&self, polynomial: PolynomialId) -> &Polynomial {
         &self.polynomials[polynomial.index()]
     }
 
     /// The system with this id.
-    #[must_use]
     pub fn system(&self, system: SystemId) -> &SymmetricSystem {
         &self.systems[system.index()]
     }
 
     /// The solve with this id.
-    #[must_use]
     pub fn solve(&self, solve: SolveId) -> &Solve {
         &self.solves[solve.index()]
     }
 
     /// The root with this id.
-    #[must_use]
     pub fn root(&self, root: RootId) -> &Root {
         &self.roots[root.index()]
     }
@@ -388,7 +372,6 @@ impl Graph {
     }
 
     /// The name of an expression or symbol.
-    #[must_use]
     pub fn name_of(&self, expr: ExprId) -> Option<&str> {
         match self.op(expr) {
             Op::Symbol(symbol) => Some(&self.symbols[symbol.index()].name),

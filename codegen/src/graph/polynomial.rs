@@ -14,7 +14,6 @@ pub struct Polynomial {
 
 impl Polynomial {
     /// A polynomial from the coefficients of 1, x, x², ….
-    #[must_use]
     pub fn new(mut coefficients: Vec<f64>) -> Self {
         while coefficients.last() == Some(&0.0) {
             coefficients.pop();
@@ -23,19 +22,16 @@ impl Polynomial {
     }
 
     /// Coefficients of 1, x, x², ….
-    #[must_use]
     pub fn coefficients(&self) -> &[f64] {
         &self.coefficients
     }
 
     /// P'
-    #[must_use]
     pub fn derivative(&self) -> Self {
         Self::new(self.coefficients.iter().enumerate().skip(1).map(|(k, c)| k as f64 * c).collect())
     }
 
     /// P / x, if P(0) = 0.
-    #[must_use]
     pub fn over_x(&self) -> Option<Self> {
         match self.coefficients.split_first() {
             None => Some(self.clone()),
@@ -46,7 +42,6 @@ impl Polynomial {
 
     /// (m, Q) with P = (1 − x)ᵐ Q and m as large as the coefficients tell: a remainder counts as zero if it is within the
     /// rounding of the coefficients.
-    #[must_use]
     pub fn without_zeros_at_one(&self) -> (u32, Self) {
         let mut order = 0;
         let mut quotient = self.coefficients.clone();

@@ -62,7 +62,6 @@ impl Graph {
     }
 
     /// The number an expression is, if it is a constant.
-    #[must_use]
     pub fn constant_value(&self, expr: ExprId) -> Option<f64> {
         match self.op(expr) {
             Op::Constant(bits) => Some(f64::from_bits(bits)),
@@ -71,13 +70,11 @@ impl Graph {
     }
 
     /// Whether an expression is the constant 0.
-    #[must_use]
     pub fn is_zero(&self, expr: ExprId) -> bool {
         self.constant_value(expr) == Some(0.0)
     }
 
     /// Whether an expression is the constant 1.
-    #[must_use]
     pub fn is_one(&self, expr: ExprId) -> bool {
         self.constant_value(expr) == Some(1.0)
     }

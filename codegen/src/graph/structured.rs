@@ -23,7 +23,6 @@ impl SymmetricSystem {
     ///
     /// # Panics
     /// If the rows do not form a lower triangle or `order` is not a permutation.
-    #[must_use]
     pub fn new(name: &str, lower: Vec<Vec<ExprId>>, order: Vec<usize>) -> Self {
         assert!(lower.iter().enumerate().all(|(i, row)| row.len() == i + 1), "{name}: not a lower triangle");
         let mut sorted = order.clone();
@@ -57,7 +56,6 @@ impl SymmetricSystem {
     }
 
     /// What the pivot of a row is compared with; nothing for a multiplier's.
-    #[must_use]
     pub fn reference(&self, row: usize) -> Option<ExprId> {
         if self.negative.contains(&row) {
             return None;
@@ -67,37 +65,31 @@ impl SymmetricSystem {
 
     /// Whether the pivot of a multiplier's row tells whether its condition is one of its own: where references are given for all rows.
     /// It is then compared with what the rows before, but for those of multipliers, take from the diagonal.
-    #[must_use]
     pub fn is_compared(&self, row: usize) -> bool {
         self.negative.contains(&row) && self.references.len() == self.size()
     }
 
     /// Whether the pivot at a position of the factorisation is negative.
-    #[must_use]
     pub fn is_negative(&self, position: usize) -> bool {
         self.negative.contains(&self.order[position])
     }
 
     /// Number of rows.
-    #[must_use]
     pub fn size(&self) -> usize {
         self.lower.len()
     }
 
     /// Entry (row, column) of the matrix.
-    #[must_use]
     pub fn entry(&self, row: usize, column: usize) -> ExprId {
         if row >= column { self.lower[row][column] } else { self.lower[column][row] }
     }
 
     /// Row of the matrix that is eliminated at `position`.
-    #[must_use]
     pub fn eliminated(&self, position: usize) -> usize {
         self.order[position]
     }
 
     /// All entries of the lower triangle.
-    #[must_use]
     pub fn entries(&self) -> Vec<ExprId> {
         self.lower.iter().flatten().copied().collect()
     }
@@ -149,7 +141,6 @@ impl Iteration {
     pub const MOST_EQUATIONS: usize = 8;
 
     /// Whether kernels solve as many equations by it.
-    #[must_use]
     pub const fn takes(self, equations: usize) -> bool {
         match self {
             Self::Newton | Self::Descent => equations == 2,
@@ -177,7 +168,6 @@ pub struct Root {
 
 impl Root {
     /// Whether its unknowns' values are known beforehand.
-    #[must_use]
     pub const fn is_known(&self) -> bool {
         !self.known.is_empty()
     }

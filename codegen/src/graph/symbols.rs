@@ -164,7 +164,6 @@ impl Graph {
     ///
     /// # Panics
     /// If the expression is not a symbol.
-    #[must_use]
     pub fn symbol_of(&self, expr: ExprId) -> SymbolId {
         match self.op(expr) {
             Op::Symbol(symbol) => symbol,

@@ -11,7 +11,6 @@ use crate::model::{Differentiated, ElementKernels, Input, Returned, Role, Signat
 ///
 /// # Panics
 /// If there is a number too few or too many.
-#[must_use]
 pub fn element_derivatives(
     element: &ElementKernels,
     inputs: &[&[f64]],

@@ -11,7 +11,6 @@ use crate::model::{DirectionSymbols, ElementSpec, Kernel, NodeResult};
 ///
 /// # Panics
 /// If there is a number too few or too many.
-#[must_use]
 pub fn element_results(
     kernel: &Kernel<ElementSpec>,
     inputs: &[&[f64]],
@@ -24,7 +23,6 @@ pub fn element_results(
 ///
 /// # Panics
 /// If there is a number too few or too many, or if the kernel is none of products.
-#[must_use]
 pub fn element_products(
     kernel: &Kernel<ElementSpec>,
     inputs: &[&[f64]],

@@ -20,7 +20,6 @@ impl Expansion {
     ///
     /// # Panics
     /// If there are not as many.
-    #[must_use]
     pub fn variable(value: f64, index: usize, count: usize) -> Self {
         let mut gradient = vec![0.0; count];
         gradient[index] = 1.0;
@@ -28,13 +27,11 @@ impl Expansion {
     }
 
     /// First derivatives by `count` variables.
-    #[must_use]
     pub fn gradient(&self, count: usize) -> Vec<f64> {
         if self.gradient.is_empty() { vec![0.0; count] } else { self.gradient.clone() }
     }
 
     /// Second derivatives by `count` variables, as the packed lower triangle.
-    #[must_use]
     pub fn hessian(&self, count: usize) -> Vec<f64> {
         if self.hessian.is_empty() { vec![0.0; count * (count + 1) / 2] } else { self.hessian.clone() }
     }

@@ -20,35 +20,27 @@ pub trait Number:
     fn value(&self) -> f64;
 
     /// √x
-    #[must_use]
     fn sqrt(&self) -> Self;
 
     /// eˣ
-    #[must_use]
     fn exp(&self) -> Self;
 
     /// A function of one number.
-    #[must_use]
     fn function(&self, function: Function) -> Self;
 
     /// Angle of the point (x, `self`).
-    #[must_use]
     fn atan2(&self, x: &Self) -> Self;
 
     /// xʸ for x > 0
-    #[must_use]
     fn powf(&self, exponent: &Self) -> Self;
 
     /// √(x² + y²)
-    #[must_use]
     fn hypot(&self, other: &Self) -> Self;
 
     /// xᵏ for an integer k
-    #[must_use]
     fn powi(&self, exponent: i32) -> Self;
 
     /// c₀ + c₁ x + c₂ x² + …
-    #[must_use]
     fn polynomial(&self, coefficients: &[f64]) -> Self;
 }
 

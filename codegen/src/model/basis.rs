@@ -98,7 +98,6 @@ impl CustomBasis {
     }
 
     /// Name in emitted code.
-    #[must_use]
     pub const fn name(self) -> &'static str {
         self.name
     }
@@ -109,13 +108,11 @@ impl Basis {
     pub const ALL: [Self; 2] = [Self::Quadratic, Self::Linear];
 
     /// Number of basis functions, the smallest number of master nodes too.
-    #[must_use]
     pub const fn size(self) -> usize {
         self.monomials().len()
     }
 
     /// Name in emitted code.
-    #[must_use]
     pub const fn name(self) -> &'static str {
         match self {
             Self::Quadratic => "quadratic",
@@ -126,7 +123,6 @@ impl Basis {
 
     /// Exponents of (a, b) of every basis function. With a function, all its derivatives are in the basis, so
     /// the fit does not depend on where the basis has its origin.
-    #[must_use]
     pub const fn monomials(self) -> &'static [(u8, u8)] {
         match self {
             Self::Quadratic => &MONOMIALS,
@@ -138,7 +134,6 @@ impl Basis {
     /// Whether the basis spans the same functions when it is turned in the plane: with one monomial of a degree it has
     /// all. Otherwise the surface depends on the directions of t1 and t2, which the average plane does not
     /// determine, and there are no kernels for a moving frame.
-    #[must_use]
     pub fn is_isotropic(self) -> bool {
         let of_degree = |degree: u8| self.monomials().iter().filter(|&&(i, j)| i + j == degree).count();
         (0..=MOST_DEGREE).all(|degree| [0, usize::from(degree) + 1].contains(&of_degree(degree)))
@@ -162,7 +157,6 @@ impl Basis {
     }
 
     /// p(a, b)
-    #[must_use]
     pub fn evaluate<'g>(self, a: Expr<'g>, b: Expr<'g>) -> Vec<Expr<'g>> {
         self.monomials().iter().map(|&(i, j)| a.powi(i.into()) * b.powi(j.into())).collect()
     }
@@ -170,7 +164,6 @@ impl Basis {
     /// Order in which the moment matrix is eliminated: highest degree first. The rows of the factorisation that
     /// belong to 1, a, b then come last, and a functional of those three alone has a 3 × 3 second derivative in
     /// the factor's coordinates.
-    #[must_use]
     pub fn elimination_order(self) -> Vec<usize> {
         (0..self.size()).rev().collect()
     }

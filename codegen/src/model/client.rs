@@ -39,7 +39,6 @@ fn returned(value: &Value, differentiated: Differentiated) -> Returned {
 
 impl ElementKernels {
     /// The kernels of contact on a facet: variables are the slave, then the corners.
-    #[must_use]
     pub fn facet(shape: FacetShape) -> Self {
         Self::new(shape.gap_name(), |m| shape.gap(m)).expect("the formulas of a facet are sound")
     }
@@ -47,7 +46,6 @@ impl ElementKernels {
     /// The kernels of a fit to nodes of a number that is open: variables are the slave, with a slip the anchor, then the nodes.
     ///
     /// Coefficients, and slips, have first derivatives only: each of several quantities has second ones.
-    #[must_use]
     pub fn contact(output: Output, basis: Basis, weight: &Weight, frame: FrameRule) -> Self {
         let modes = match output {
             Output::Coefficients | Output::Slip => &Mode::ALL[..2],

@@ -58,7 +58,6 @@ impl<'g> ElementModel<'g> {
     }
 
     /// The sheet, for numbers and roots.
-    #[must_use]
     pub const fn sheet(&self) -> &'g Sheet {
         self.sheet
     }

@@ -31,7 +31,6 @@ impl FacetShape {
     pub const ALL: [Self; 2] = [Self::Triangle, Self::Quadrilateral];
 
     /// Its name.
-    #[must_use]
     pub const fn name(self) -> &'static str {
         match self {
             Self::Triangle => "triangle",
@@ -40,7 +39,6 @@ impl FacetShape {
     }
 
     /// Name of the element that is the gap over it.
-    #[must_use]
     pub const fn gap_name(self) -> &'static str {
         match self {
             Self::Triangle => "gap_over_triangle",
@@ -49,7 +47,6 @@ impl FacetShape {
     }
 
     /// Number of corners n.
-    #[must_use]
     pub const fn corners(self) -> usize {
         match self {
             Self::Triangle => 3,

@@ -27,7 +27,6 @@ impl Output {
     pub const ALL: [Self; 4] = [Self::Coefficients, Self::Surface, Self::Gap, Self::Slip];
 
     /// Name in emitted code.
-    #[must_use]
     pub const fn name(self) -> &'static str {
         match self {
             Self::Coefficients => "coefficients",
@@ -38,7 +37,6 @@ impl Output {
     }
 
     /// Whether it has a gap, and so a foot and a frame that may move.
-    #[must_use]
     pub const fn has_gap(self) -> bool {
         matches!(self, Self::Gap | Self::Slip)
     }
@@ -60,7 +58,6 @@ impl Mode {
     pub const ALL: [Self; 3] = [Self::Value, Self::Gradient, Self::Hessian];
 
     /// Name in emitted code.
-    #[must_use]
     pub const fn name(self) -> &'static str {
         match self {
             Self::Value => "value",
@@ -106,7 +103,6 @@ pub struct KernelSpec {
 impl KernelSpec {
     /// All kernels of a basis and a weight. A moving frame makes a difference to gap and slip only, and needs a basis that is
     /// [isotropic](Basis::is_isotropic); the value of the gap is the same, but not whether there is an average plane.
-    #[must_use]
     pub fn all(basis: Basis, weight: &Weight) -> Vec<Self> {
         let spec = |output, mode, frame| Self { output, mode, basis, weight: weight.clone(), frame };
         let mut all: Vec<Self> = Output::ALL
@@ -169,7 +165,6 @@ const COEFFICIENT_NAMES: [&str; MOST_COEFFICIENTS] = [
 
 impl Kernel {
     /// Builds a kernel from the model.
-    #[must_use]
     pub fn new(spec: KernelSpec) -> Self {
         let equations = vec![
             Equation {

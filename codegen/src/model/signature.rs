@@ -104,13 +104,11 @@ pub struct Signature {
 
 impl Signature {
     /// Number of variables of the element: entries of a gradient, but for those of nodes, which follow.
-    #[must_use]
     pub fn variables(&self) -> usize {
         count_variables(&self.inputs)
     }
 
     /// Number of variables of a node.
-    #[must_use]
     pub fn node_variables(&self) -> usize {
         count_variables(&self.nodes)
     }
@@ -123,7 +121,6 @@ fn count_variables(inputs: &[Input]) -> usize {
 /// What inputs and outputs can be: a number, a vector, a matrix, or an array of one of these.
 pub trait Quantity<'g>: Clone {
     /// Sizes, the outermost first; none for a number.
-    #[must_use]
     fn dimensions() -> Vec<usize>;
 
     /// The quantity whose entries are made by `entry` from their names, which begin with `name`.
@@ -134,7 +131,6 @@ pub trait Quantity<'g>: Clone {
     fn changed(&self, name: &str, change: &mut dyn FnMut(&str, Expr<'g>) -> Expr<'g>) -> Self;
 
     /// The entries, the last dimension fastest.
-    #[must_use]
     fn entries(&self) -> Vec<Expr<'g>> {
         let mut entries = Vec::new();
         let _ = self.changed("", &mut |_, x| {

@@ -103,7 +103,6 @@ impl Weight {
     ///
     /// # Panics
     /// Never: the formula is valid.
-    #[must_use]
     pub fn cubic() -> Self {
         Self::new("cubic", "(1 - r)^2 * (1 + 2*r)").expect("a valid weight")
     }
@@ -133,7 +132,6 @@ impl Weight {
     /// One weight for several that are not interpolating, so that they share kernels: the input
     /// `weight_number` says which of them it is, counted from 0. `None` if there are none, or one is interpolating or
     /// several weights itself.
-    #[must_use]
     pub fn either(weights: &[Self]) -> Option<Self> {
         let (first, others) = weights.split_first()?;
         if weights.iter().any(|weight| weight.interpolating || weight.is_several()) {
@@ -151,7 +149,6 @@ impl Weight {
     }
 
     /// Whether this is several weights, made by [`either`](Self::either).
-    #[must_use]
     pub const fn is_several(&self) -> bool {
         !self.others.is_empty()
     }
@@ -160,7 +157,6 @@ impl Weight {
     ///
     /// # Panics
     /// Never: the formula is valid.
-    #[must_use]
     pub fn wendland_c2() -> Self {
         Self::new("wendland_c2", "(1 - r)^4 * (1 + 4*r)").expect("a valid weight")
     }
@@ -180,31 +176,26 @@ impl Weight {
     ///
     /// # Panics
     /// Never: the formula is valid.
-    #[must_use]
     pub fn cubic_interpolating() -> Self {
         Self::interpolating("cubic_interpolating", "(1 - r)^2 * (1 + 2*r)").expect("a valid weight")
     }
 
     /// Whether the weight has a pole at r = 0.
-    #[must_use]
     pub const fn is_interpolating(&self) -> bool {
         self.interpolating
     }
 
     /// Name in emitted code.
-    #[must_use]
     pub fn name(&self) -> &str {
         &self.name
     }
 
     /// The formula as it was written.
-    #[must_use]
     pub fn text(&self) -> &str {
         &self.text
     }
 
     /// What is to be known of the weight, though it can be used.
-    #[must_use]
     pub fn note(&self) -> Option<WeightNote> {
         let [origin, inside, rim] = [0.0, 1.0 - RIM, 1.0].map(|r| self.formula.evaluate(r));
         let flat = FLAT.map(|part| part * origin);
@@ -220,7 +211,6 @@ impl Weight {
     }
 
     /// ω at r, 0 where r ≥ 1; of several weights that of the first.
-    #[must_use]
     pub fn fitting_value(&self, r: f64) -> f64 {
         if r < 1.0 { self.formula.evaluate(r) } else { 0.0 }
     }

@@ -45,7 +45,6 @@ pub struct Way {
 
 impl<'g> Chain<'g> {
     /// Intermediates in an order in which each comes after those it depends on.
-    #[must_use]
     pub fn new(variables: Vec<Expr<'g>>, intermediates: &[Intermediate<'g>]) -> Self {
         let mut levels: Vec<Vec<Intermediate<'g>>> = Vec::new();
         let (known, others): (Vec<_>, Vec<_>) =
@@ -67,7 +66,6 @@ impl<'g> Chain<'g> {
     }
 
     /// The ways to eliminate the intermediates; that by vectors if there is one, which estimates of operations do not do justice to.
-    #[must_use]
     pub fn ways(&self) -> Vec<Way> {
         if self.lowest_vectors().is_some() {
             return vec![Way { forms: 0, by_vectors: true }];
@@ -89,7 +87,6 @@ impl<'g> Chain<'g> {
     }
 
     /// Unknowns whose values are known: their symbols with their values.
-    #[must_use]
     pub fn known_values(&self) -> Vec<(Expr<'g>, Expr<'g>)> {
         self.known.map_or_else(Vec::new, |level| Known::new(&self.levels[level]).values())
     }
@@ -101,7 +98,6 @@ impl<'g> Chain<'g> {
     }
 
     /// Derivatives of a function.
-    #[must_use]
     pub fn derivatives(&self, function: Expr<'g>, with_hessian: bool, way: Way) -> Derivatives<'g> {
         let symbols: Vec<Expr<'g>> =
             self.variables.iter().copied().chain(self.intermediates().map(|v| v.symbol)).collect();

@@ -21,7 +21,6 @@ impl<'g> NodeProblem<'g> {
     ///
     /// # Panics
     /// If a row that the Hessian does without is needed.
-    #[must_use]
     pub fn combination(
         &self,
         hessian: &Hessian,

@@ -23,7 +23,6 @@ impl<'g> CoordinateMap<'g> {
     /// # Panics
     /// If a local coordinate is not bound, is not linear in the positions, or changes when node and slave move
     /// together.
-    #[must_use]
     pub fn new(local: &[Expr<'g>], node: Vec3<'g>, slave: Vec3<'g>) -> Self {
         let jacobian = local.iter().map(|&x| {
             let definition = x.definition().expect("a local coordinate has a definition");

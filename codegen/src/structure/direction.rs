@@ -24,7 +24,6 @@ pub struct Direction<'g> {
 
 impl<'g> Direction<'g> {
     /// Variables, each with its rate, of the same scope.
-    #[must_use]
     pub fn new(sheet: &'g Sheet, rates: impl IntoIterator<Item = (Expr<'g>, Expr<'g>)>) -> Self {
         let mut direction = Self { sheet, rate: sheet.variable(RATE), known: FxHashSet::default() };
         for (variable, rate) in rates {
@@ -34,7 +33,6 @@ impl<'g> Direction<'g> {
     }
 
     /// The derivative of an expression along the direction, through all that is bound in it.
-    #[must_use]
     pub fn derivative(&mut self, x: Expr<'g>) -> Expr<'g> {
         for (symbol, definition) in self.bound_in(x) {
             let rate = self.sheet.expr(definition).by(self.rate);

@@ -17,7 +17,6 @@ impl<'g> Elimination<'g> {
     /// The inverse of A = −Σ dρ/dy, for residuals ρ whose unknowns y move what the coordinates say; all of it at the values.
     ///
     /// Rows are eliminated in order, without a search for pivots.
-    #[must_use]
     pub fn of_residuals(
         name: &str,
         (unknowns, residual): (&[Expr<'g>], &[Expr<'g>]),

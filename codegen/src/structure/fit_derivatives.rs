@@ -30,7 +30,6 @@ use crate::graph::Op;
 
 impl<'g> NodeProblem<'g> {
     /// The unknowns of interest.
-    #[must_use]
     pub fn unknowns(&self) -> &[Expr<'g>] {
         &self.block.unknowns
     }
@@ -39,7 +38,6 @@ impl<'g> NodeProblem<'g> {
     ///
     /// # Panics
     /// If it is not symmetric.
-    #[must_use]
     pub fn system(&self) -> System<'g> {
         match self.block.system {
             Elimination::Symmetric(system) => system,
@@ -67,7 +65,6 @@ impl<'g> NodeProblem<'g> {
     }
 
     /// dG/dx.
-    #[must_use]
     pub fn gradient(&self, functional: &Functional<'g>) -> Gradient {
         let lagrangian = self.lagrangian(functional).total;
         let node = self.coordinates.gradient(lagrangian).at(&self.values);
@@ -78,7 +75,6 @@ impl<'g> NodeProblem<'g> {
     }
 
     /// d²G/dx².
-    #[must_use]
     pub fn hessian(&self, functional: &Functional<'g>) -> Hessian {
         let lagrangian = self.lagrangian(functional);
         let own = self.coordinates.hessian(lagrangian.total).at(&self.values);
@@ -103,7 +99,6 @@ impl<'g> NodeProblem<'g> {
 
     /// ∂G/∂zᵢ for a quantity G linear in the unknowns, with ∂G/∂α = `first`, and a variable z of node scope that the
     /// residuals of the unknowns of interest depend on.
-    #[must_use]
     pub fn sensitivity(&self, name: &str, first: &[Expr<'g>], z: Expr<'g>) -> Expr<'g> {
         let adjoint = self.system().solve_bound(first, &format!("lambda_{name}"));
         let by_z: Vec<Expr<'g>> = self.block.residual.iter().map(|residual| residual.by(z)).collect();

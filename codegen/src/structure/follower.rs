@@ -11,13 +11,11 @@ pub struct Follower<'g> {
 
 impl<'g> Follower<'g> {
     /// A parameter that nothing follows yet.
-    #[must_use]
     pub const fn new(parameter: Expr<'g>) -> Self {
         Self { parameter, moves: Vec::new() }
     }
 
     /// The parameter α.
-    #[must_use]
     pub const fn parameter(&self) -> Expr<'g> {
         self.parameter
     }
@@ -46,7 +44,6 @@ impl<'g> Follower<'g> {
     }
 
     /// df/dα = ∂f/∂α + Σ ∂f/∂v dv/dα
-    #[must_use]
     pub fn total_derivative(&self, f: Expr<'g>) -> Expr<'g> {
         self.moves.iter().fold(f.by(self.parameter), |total, &(v, change)| total + f.by(v) * change)
     }

@@ -27,14 +27,12 @@ pub struct Written<'g> {
 }
 
 /// The outputs as they are, with the intermediates that were bound in them.
-#[must_use]
 pub fn as_bound<'g>(outputs: &[Expr<'g>], variables: &[Expr<'g>]) -> Written<'g> {
     let intermediates = bound(outputs, variables);
     Written { outputs: outputs.to_vec(), chain: Chain::new(variables.to_vec(), &intermediates) }
 }
 
 /// The outputs rewritten with the intermediates that are found in them besides those that were bound.
-#[must_use]
 pub fn with_found<'g>(sheet: &'g Sheet, outputs: &[Expr<'g>], variables: &[Expr<'g>]) -> Written<'g> {
     let mut finder = Finder {
         sheet,

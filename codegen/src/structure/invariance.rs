@@ -38,7 +38,6 @@ struct Writing<'g> {
 }
 
 /// Gradient and, if asked for, Hessian of a function of element scope by all variables, through the intermediates it has.
-#[must_use]
 pub fn total_derivatives<'g>(
     sheet: &'g Sheet,
     function: Expr<'g>,
@@ -66,7 +65,6 @@ pub fn total_derivatives<'g>(
 /// It is the rate of the gradient in the direction, forward over reverse, and the gradient of the function's rate, reverse over forward.
 /// What takes fewer operations depends on the function. That of a function which is stationary in something has a rate for the first way
 /// only: the second one would need what the first knows to be zero.
-#[must_use]
 pub fn hessian_product<'g>(
     sheet: &'g Sheet,
     function: Expr<'g>,

@@ -43,20 +43,17 @@ enum Product<'g> {
 
 impl<'g> LinearImages<'g> {
     /// Vectors from their coefficients, one row per node.
-    #[must_use]
     pub const fn new(coefficients: Vec<Vec<Expr<'g>>>) -> Self {
         Self { coefficients }
     }
 
     /// dG/dx from ∂G/∂v, three entries per node.
-    #[must_use]
     pub fn gradient(&self, first: &[Vec3<'g>]) -> Vec<Expr<'g>> {
         self.coefficients.iter().flat_map(|node| sum_of_multiples(node, first).0).collect()
     }
 
     /// d²G/dx² from K, the packed lower triangle row by row. Where a block of K and its transpose are both there, as K
     /// is symmetric, one of them is used.
-    #[must_use]
     pub fn hessian(&self, second: &SecondDerivative<'g>) -> Vec<Expr<'g>> {
         let rows: Vec<Rows<'g>> = second.iter().map(|row| classify(row)).collect();
         let of_node =

@@ -24,14 +24,12 @@ pub struct TwoVariables<T> {
 impl<T: Lane> TwoVariables<T> {
     /// The iteration before the first evaluation.
     #[inline(always)]
-    #[must_use]
     pub fn start() -> Self {
         Self { iterate: Iterate::start(), full: [T::ZERO; 2] }
     }
 
     /// Where to evaluate next.
     #[inline(always)]
-    #[must_use]
     pub fn point(&self) -> [T; 2] {
         self.iterate.point()
     }

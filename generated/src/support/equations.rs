@@ -39,7 +39,6 @@ pub struct Equations<T, const N: usize> {
 impl<T: Lane, const N: usize> Equations<T, N> {
     /// The iteration before the first evaluation: with steps of at most this length, and at most so many evaluations.
     #[inline(always)]
-    #[must_use]
     pub fn within(longest_step: f64, evaluations: u32) -> Self {
         Self {
             y: [T::ZERO; N],
@@ -59,7 +58,6 @@ impl<T: Lane, const N: usize> Equations<T, N> {
 
     /// Where to evaluate next.
     #[inline(always)]
-    #[must_use]
     pub fn point(&self) -> [T; N] {
         std::array::from_fn(|k| self.y[k] + self.step[k])
     }

@@ -25,7 +25,6 @@ pub struct FacetFigures {
 // A NaN fails the comparisons below, or the last of them.
 impl FacetFigures {
     /// Whether results are numbers to use, of which it is known whether all are finite.
-    #[must_use]
     pub fn status(&self, are_finite: bool) -> Status {
         let determinant = self.jacobian_determinant;
         if self.corner_area.is_nan() {

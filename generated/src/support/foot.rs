@@ -11,7 +11,6 @@ use super::{FormRows, Lane};
 impl FormRows {
     /// Numbers of the derivatives at the foot: φ and ∂ν/∂x.
     #[inline(always)]
-    #[must_use]
     pub const fn foot_numbers(self) -> usize {
         self.count + 9 * (self.count + 1)
     }

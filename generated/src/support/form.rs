@@ -26,21 +26,18 @@ impl FormRows {
 
     /// Numbers of the [factors](super::Second) that a form leaves.
     #[inline(always)]
-    #[must_use]
     pub const fn factors(self) -> usize {
         self.node_factors() * self.count
     }
 
     /// Numbers of the slave's [rows](super::SecondKind::SlaveRows) of M.
     #[inline(always)]
-    #[must_use]
     pub const fn slave_rows(self) -> usize {
         9 * (self.count + 1)
     }
 
     /// Factors of one node.
     #[inline(always)]
-    #[must_use]
     pub(super) const fn node_factors(self) -> usize {
         3 * self.rows + 6
     }

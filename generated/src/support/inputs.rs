@@ -18,7 +18,6 @@ pub enum Masters<'a> {
 
 impl Masters<'_> {
     /// n
-    #[must_use]
     #[inline(always)]
     pub const fn len(&self) -> usize {
         match self {
@@ -28,7 +27,6 @@ impl Masters<'_> {
     }
 
     /// Whether there are none.
-    #[must_use]
     #[inline(always)]
     pub const fn is_empty(&self) -> bool {
         self.len() == 0
@@ -38,7 +36,6 @@ impl Masters<'_> {
     ///
     /// # Panics
     /// If there is none.
-    #[must_use]
     #[inline(always)]
     pub fn get(&self, k: usize) -> [f64; 3] {
         match self {
@@ -72,14 +69,12 @@ pub struct MaterialNode {
 
 impl MaterialNode {
     /// r
-    #[must_use]
     #[inline(always)]
     pub fn distance(&self) -> f64 {
         self.square().sqrt()
     }
 
     /// r²
-    #[must_use]
     #[inline(always)]
     pub fn square(&self) -> f64 {
         let ([x, y, z], [xx, xy, xz, yy, yz, zz]) = (self.offset, self.metric);
@@ -93,7 +88,6 @@ impl Domains<'_> {
     ///
     /// # Panics
     /// If there is none.
-    #[must_use]
     #[inline(always)]
     pub fn radius(&self, k: usize, support_radius: f64) -> f64 {
         match self {
@@ -138,7 +132,6 @@ impl ElementInputs<'_> {
     ///
     /// # Panics
     /// If there is none.
-    #[must_use]
     #[inline(always)]
     pub fn node(&self, k: usize) -> [f64; NODE_VALUES] {
         let [x, y, z] = self.masters.get(k);
@@ -153,7 +146,6 @@ impl ElementInputs<'_> {
     ///
     /// # Panics
     /// If there is none.
-    #[must_use]
     #[inline(always)]
     pub fn material(&self, k: usize) -> [f64; MATERIAL_VALUES] {
         let node = match self.domains {
@@ -206,7 +198,6 @@ impl<'a, E: Lane, T: Lane> Inputs<'a, E, T> {
     /// The elements `at(lane)` side by side, one per lane of `E`. `masters` and `material` are theirs as
     /// vectors.
     #[inline(always)]
-    #[must_use]
     pub fn gather<'e>(
         at: impl Fn(usize) -> &'e ElementInputs<'e>,
         weight_number: usize,

@@ -23,18 +23,15 @@ pub trait Lane:
     const ONE: Self;
 
     /// `value` in all lanes.
-    #[must_use]
     fn splat(value: f64) -> Self;
 
     /// `value(k)` in lane k.
-    #[must_use]
     fn from_fn(value: impl FnMut(usize) -> f64) -> Self;
 
     /// The number in lane k.
     ///
     /// # Panics
     /// If there is no such lane.
-    #[must_use]
     fn lane(&self, k: usize) -> f64;
 
     /// `self` · `factor` + `term`, fused where the target has the instruction.
@@ -110,7 +107,6 @@ pub trait Lane:
     fn abs(self) -> Self;
 
     /// `then` in the lanes where `x` < `y`, elsewhere, also where one is NaN, `otherwise`.
-    #[must_use]
     fn select_less(x: Self, y: Self, then: Self, otherwise: Self) -> Self;
 
     /// `self` / `divisor`, and 0 in the lanes where `divisor` is 0. A NaN stays one.
@@ -122,7 +118,6 @@ pub trait Lane:
     }
 
     /// Whether `x` < `y` in every lane.
-    #[must_use]
     fn all_less(x: Self, y: Self) -> bool;
 }
 

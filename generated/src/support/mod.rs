@@ -37,7 +37,6 @@ pub use values::{Basis, CoefficientsValues, CustomBasis, FrameRule, GapValues, M
 
 /// Position of the first entry of a row in a packed lower triangle.
 #[inline(always)]
-#[must_use]
 pub const fn packed_row(row: usize) -> usize {
     row * (row + 1) / 2
 }

@@ -143,14 +143,12 @@ pub struct TwoEquations<T> {
 impl<T: Lane> TwoEquations<T> {
     /// The iteration before the first evaluation.
     #[inline(always)]
-    #[must_use]
     pub fn start() -> Self {
         Self { iterate: Iterate::start(), unit: T::ONE }
     }
 
     /// Where to evaluate next.
     #[inline(always)]
-    #[must_use]
     pub fn point(&self) -> [T; 2] {
         self.iterate.point()
     }

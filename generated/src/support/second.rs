@@ -37,7 +37,6 @@ pub struct Second<'a, O> {
 impl<'a, O> Second<'a, O> {
     /// To be written to `target`.
     #[inline(always)]
-    #[must_use]
     pub const fn new(kind: SecondKind, target: &'a mut [O]) -> Self {
         Self { kind, target, written: 0, placed: None }
     }
@@ -59,7 +58,6 @@ impl<'a, O> Second<'a, O> {
 
     /// What is asked for.
     #[inline(always)]
-    #[must_use]
     pub const fn kind(&self) -> SecondKind {
         self.kind
     }

@@ -34,13 +34,11 @@ pub trait KernelSet {
 
     /// The instructions to run these kernels with: the widest that the machine has, or without optimisation one number
     /// at a time.
-    #[must_use]
     fn best_isa() -> Isa {
         if Self::OPTIMISED { Isa::best() } else { Isa::SCALAR }
     }
 
     /// The weight at r, distance over the radius of the domain; of an interpolating weight ω/(1 − ω) that of ω. 0 where r ≥ 1.
-    #[must_use]
     fn fitting_weight<T: Lane>(r: T) -> T;
 
     /// α with ∂α/∂x and ∂²α/∂x∂x of each coefficient, number by number. Values of which none is a number if the set has no such
@@ -126,7 +124,6 @@ pub trait KernelSet {
 
     /// The rows of the form that M of an element with `count` nodes has: how many numbers its [factors](FormRows::factors) are, and what
     /// [multiplies](FormRows::multiply_factors) them.
-    #[must_use]
     fn gap_form(kernel: (Basis, FrameRule), count: usize) -> FormRows;
 
     /// As [`gap`](Self::gap) in [`Mode::Hessian`], with what `kind` says in the place of M: the same kernel up to the products.

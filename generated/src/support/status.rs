@@ -75,7 +75,6 @@ impl Status {
 
 impl CoefficientsValues<f64> {
     /// Whether the values, and the derivatives that came with them, are numbers to use.
-    #[must_use]
     pub fn status(&self) -> Status {
         Status::of_fit(self.pivot_ratio, self.checksum)
     }
@@ -83,7 +82,6 @@ impl CoefficientsValues<f64> {
 
 impl SurfaceValues<f64> {
     /// Whether the values, and the derivatives that came with them, are numbers to use.
-    #[must_use]
     pub fn status(&self) -> Status {
         Status::of_fit(self.pivot_ratio, self.checksum)
     }
@@ -91,7 +89,6 @@ impl SurfaceValues<f64> {
 
 impl GapValues<f64> {
     /// Whether the values, and the derivatives that came with them, are numbers to use.
-    #[must_use]
     pub fn status(&self) -> Status {
         if !(self.pivot_ratio > PIVOT_TOLERANCE) {
             return Status::singular_fit(self.pivot_ratio);

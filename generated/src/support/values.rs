@@ -33,13 +33,11 @@ impl Basis {
     pub const MOST_COEFFICIENTS: usize = 15;
 
     /// Number of coefficients, which is also the smallest number of master nodes.
-    #[must_use]
     pub const fn size(self) -> usize {
         self.monomials().len()
     }
 
     /// Exponents of (a, b) of the basis functions.
-    #[must_use]
     pub const fn monomials(self) -> &'static [(u8, u8)] {
         match self {
             Self::Quadratic => &MONOMIALS,
@@ -50,7 +48,6 @@ impl Basis {
 
     /// Whether the basis is one that kernels can be generated for: 1, a, b first, at most
     /// [`MOST_COEFFICIENTS`](Self::MOST_COEFFICIENTS) functions of degree 4 at most.
-    #[must_use]
     pub fn is_sound(self) -> bool {
         let monomials = self.monomials();
         monomials.starts_with(&MONOMIALS[..3])
@@ -61,7 +58,6 @@ impl Basis {
     /// Whether the basis spans the same functions when it is turned in the plane: with one monomial of a degree it has
     /// all. Otherwise the surface depends on the directions of t1 and t2, which the average plane does not
     /// determine, and there are no kernels for a moving frame.
-    #[must_use]
     pub fn is_isotropic(self) -> bool {
         let degrees = self.monomials().iter().map(|&(i, j)| i + j);
         degrees
@@ -70,7 +66,6 @@ impl Basis {
     }
 
     /// Name, as in the modules of the kernels.
-    #[must_use]
     pub const fn name(self) -> &'static str {
         match self {
             Self::Quadratic => "quadratic",
@@ -162,7 +157,6 @@ pub struct GapValues<T> {
 impl<T: Lane> GapValues<T> {
     /// The values in lane k.
     #[inline(always)]
-    #[must_use]
     pub fn lane(&self, k: usize) -> GapValues<f64> {
         let numbers = |x: &[T; 3]| [x[0].lane(k), x[1].lane(k), x[2].lane(k)];
         let mut coefficients = [0.0; Basis::MOST_COEFFICIENTS];

@@ -40,7 +40,6 @@ impl Subject {
     }
 
     /// Name in the report.
-    #[must_use]
     pub fn name(self) -> String {
         match self.frame {
             FrameRule::Held => self.output.name().to_owned(),

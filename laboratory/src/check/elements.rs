@@ -131,7 +131,6 @@ pub struct NoElement {
 
 /// Whether results are comparable: relative pivots of at least [`SMALLEST_PIVOT`], a Jacobian determinant of at
 /// least [`SMALLEST_DETERMINANT`], and a foot within [`LARGEST_FOOT_DISTANCE`].
-#[must_use]
 pub fn is_well_conditioned(figures: &Conditioning) -> bool {
     figures.pivot_ratio >= SMALLEST_PIVOT
         && figures.plane_pivot_ratio >= SMALLEST_PIVOT
@@ -178,7 +177,6 @@ impl RandomElement {
     }
 
     /// The element as the backends take it, in a frame that is held or in the average plane.
-    #[must_use]
     pub fn element(&self, rule: FrameRule) -> Element<'_> {
         let Place { slave, frame } = match rule {
             FrameRule::Held => self.held,

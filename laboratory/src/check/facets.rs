@@ -40,7 +40,6 @@ pub struct FacetRow {
 
 impl FacetRow {
     /// Whether there are differences, and all are within [`TOLERANCE`].
-    #[must_use]
     pub fn passes(&self) -> bool {
         let mut all = self.worst.iter().flatten();
         self.worst[Against::Ad as usize].is_some() && all.all(|&difference| difference <= TOLERANCE)

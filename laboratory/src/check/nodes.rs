@@ -16,7 +16,6 @@ pub struct NodeCounts {
 
 impl NodeCounts {
     /// First and last count.
-    #[must_use]
     pub const fn range(&self) -> &RangeInclusive<usize> {
         &self.range
     }

@@ -38,7 +38,6 @@ impl Default for Plan {
 
 impl Plan {
     /// The node counts that pairings have with a basis.
-    #[must_use]
     pub const fn default_nodes(basis: Basis) -> RangeInclusive<usize> {
         basis.size()..=24
     }
@@ -52,7 +51,6 @@ impl Plan {
     }
 
     /// What is tested of an output. Kernels with a slip are a feature of their own; without it the interpreter of their formulas stands in.
-    #[must_use]
     pub const fn tested(&self, output: Output) -> Tested {
         let has_kernels = self.weight.as_built_in().is_some()
             && (!matches!(output, Output::Slip) || cfg!(feature = "friction"));
@@ -60,7 +58,6 @@ impl Plan {
     }
 
     /// Number of elements.
-    #[must_use]
     pub fn elements(&self) -> usize {
         self.ranges.iter().map(|(_, range)| range.clone().count() * ELEMENTS).sum()
     }

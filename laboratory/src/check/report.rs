@@ -153,25 +153,21 @@ impl Report {
     }
 
     /// The worst differences on facets, one row per shape and block; none for a weight of one's own.
-    #[must_use]
     pub fn facets(&self) -> &[FacetRow] {
         &self.facets
     }
 
     /// The worst sums of N and its moments.
-    #[must_use]
     pub fn balance(&self) -> &[BalanceRow] {
         &self.balance
     }
 
     /// The worst differences, one row per block.
-    #[must_use]
     pub fn rows(&self) -> &[Row] {
         &self.rows
     }
 
     /// Whether every block was compared, every backend had results, and all differences are within [`TOLERANCE`].
-    #[must_use]
     pub fn passes(&self) -> bool {
         let rows = self.rows.iter().all(Row::passes)
             && self.balance.iter().all(BalanceRow::passes)

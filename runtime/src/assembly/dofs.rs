@@ -32,7 +32,6 @@ const NONE: usize = usize::MAX;
 
 impl DofMap {
     /// Equation 3·node + axis for each of `nodes` nodes (at most `usize::MAX / 3`).
-    #[must_use]
     pub fn standard(nodes: usize) -> Self {
         let nodes = nodes.min(usize::MAX / 3);
         Self { nodes, equations: 3 * nodes, numbers: None }
@@ -106,13 +105,11 @@ impl DofMap {
     }
 
     /// Number of nodes.
-    #[must_use]
     pub const fn nodes(&self) -> usize {
         self.nodes
     }
 
     /// Number of equations: rows of the forces and of the tangent.
-    #[must_use]
     pub const fn equations(&self) -> usize {
         self.equations
     }
@@ -121,7 +118,6 @@ impl DofMap {
     ///
     /// # Panics
     /// If there is no such node or `axis` is above 2.
-    #[must_use]
     pub fn equation(&self, node: usize, axis: usize) -> Option<usize> {
         assert!(node < self.nodes && axis < 3, "axis {axis} of node {node} of {}", self.nodes);
         match &self.numbers {

@@ -81,7 +81,6 @@ pub struct SlipView<'a> {
 
 impl<'a> ElementView<'a> {
     /// The element with these nodes and what a [`Backend`](crate::Backend) returned for it; area 1.
-    #[must_use]
     pub fn new(slave: usize, masters: &'a [u32], gap: &'a Gap) -> Self {
         let (gradient, hessian) = (&gap.gradient, gap.hessian.packed());
         let contact = ContactView { gap: gap.gap, area: 1.0, gradient, hessian, slip: None };

@@ -125,7 +125,6 @@ impl AssemblyError {
     }
 
     /// Stable machine-readable code.
-    #[must_use]
     pub const fn code(&self) -> &'static str {
         match self {
             Self::InvalidPenalty { .. } => "invalid-penalty",

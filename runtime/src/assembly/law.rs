@@ -57,7 +57,6 @@ impl PartialEq for ContactLaw<'_> {
 
 impl<'a> ContactLaw<'a> {
     /// The penalty law with the exact tangent.
-    #[must_use]
     pub const fn penalty(penalty: f64) -> Self {
         Self { penalty, normal: None, multipliers: None, tangent: Tangent::Exact, friction: None }
     }
@@ -76,7 +75,6 @@ impl<'a> ContactLaw<'a> {
     }
 
     /// Whether tangents are symmetric.
-    #[must_use]
     pub fn is_symmetric(&self) -> bool {
         self.friction.is_none() || self.tangent == Tangent::GaussNewton
     }
@@ -98,7 +96,6 @@ impl<'a> ContactLaw<'a> {
     ///
     /// # Panics
     /// If there are multipliers, but none for `k`.
-    #[must_use]
     pub fn force(&self, k: usize, gap: f64, area: f64) -> f64 {
         self.normal_force(k, gap, area).force
     }
@@ -107,7 +104,6 @@ impl<'a> ContactLaw<'a> {
     ///
     /// # Panics
     /// If there are multipliers, but none for `k`.
-    #[must_use]
     pub fn normal_force(&self, k: usize, gap: f64, area: f64) -> NormalForce {
         self.force_and_pressure(k, gap, area).0
     }
@@ -154,7 +150,6 @@ impl<'a> ContactLaw<'a> {
     }
 
     /// The friction of element `k` with this slip; `None` without friction, and before there is an anchor.
-    #[must_use]
     pub fn friction_of(
         &self,
         k: usize,

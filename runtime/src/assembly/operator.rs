@@ -180,19 +180,16 @@ impl TangentOperator {
     }
 
     /// Number of equations: rows and columns.
-    #[must_use]
     pub const fn equations(&self) -> usize {
         self.equations
     }
 
     /// Number of contacts that carry force.
-    #[must_use]
     pub fn contacts(&self) -> usize {
         self.parts.iter().map(|part| part.contacts.len()).sum()
     }
 
     /// Memory of the operator, bytes.
-    #[must_use]
     pub fn bytes(&self) -> usize {
         let part = |part: &Part| {
             8 * (part.gradients.capacity() + part.seconds.capacity() + part.images.capacity())

@@ -19,7 +19,6 @@ impl Tangent {
     pub const ADAPTIVE_RATIO: f64 = 0.3;
 
     /// Name in options.
-    #[must_use]
     pub const fn name(self) -> &'static str {
         match self {
             Self::Exact => "exact",
@@ -47,7 +46,6 @@ impl Tangent {
     /// let law = law.with_tangent(Tangent::adaptive(residual, force));
     /// assert_eq!(law.tangent, Tangent::GaussNewton);
     /// ```
-    #[must_use]
     pub fn adaptive(residual: f64, force: f64) -> Self {
         if residual == 0.0 || residual / force <= Self::ADAPTIVE_RATIO {
             Self::Exact

@@ -27,7 +27,6 @@ pub struct Triplets {
 
 impl Triplets {
     /// No entries.
-    #[must_use]
     pub const fn new() -> Self {
         Self { rows: Vec::new(), columns: Vec::new(), values: Vec::new() }
     }
@@ -118,31 +117,26 @@ impl Triplets {
     }
 
     /// Number of entries.
-    #[must_use]
     pub const fn len(&self) -> usize {
         self.values.len()
     }
 
     /// Whether there are none.
-    #[must_use]
     pub const fn is_empty(&self) -> bool {
         self.values.is_empty()
     }
 
     /// Row of each entry.
-    #[must_use]
     pub fn rows(&self) -> &[usize] {
         &self.rows
     }
 
     /// Column of each entry.
-    #[must_use]
     pub fn columns(&self) -> &[usize] {
         &self.columns
     }
 
     /// Value of each entry, force per length.
-    #[must_use]
     pub fn values(&self) -> &[f64] {
         &self.values
     }

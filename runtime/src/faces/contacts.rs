@@ -49,7 +49,6 @@ impl NodeContact {
     }
 
     /// p_A times the area over the master, force.
-    #[must_use]
     pub fn force(&self) -> f64 {
         self.pressure * self.area
     }
@@ -140,20 +139,17 @@ impl Default for FaceContacts {
 
 impl FaceContacts {
     /// The nodes of the slave's surface, ascending.
-    #[must_use]
     pub fn nodes(&self) -> &[NodeContact] {
         &self.nodes
     }
 
     /// Number of nodes that carry pressure.
-    #[must_use]
     pub fn active(&self) -> usize {
         self.nodes.iter().filter(|node| node.pressure > 0.0).count()
     }
 
     /// Points of loaded faces whose line of force meets no place of the facet over them, or whose derivatives overflow, and points that have
     /// no place on their own curved face: they carry no force.
-    #[must_use]
     pub const fn missed(&self) -> usize {
         self.missed
     }

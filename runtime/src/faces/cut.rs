@@ -36,7 +36,6 @@ impl FaceRule {
     pub const ALL: [Self; 2] = [Self::Second, Self::Fourth];
 
     /// The degree of the polynomials that it integrates.
-    #[must_use]
     pub const fn degree(self) -> usize {
         match self {
             Self::Second => 2,

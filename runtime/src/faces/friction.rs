@@ -371,7 +371,6 @@ impl FaceInterface {
     }
 
     /// Whether a state was [accepted](Self::accept) since the history began.
-    #[must_use]
     pub const fn has_history(&self) -> bool {
         self.tracks.is_some()
     }
@@ -379,14 +378,12 @@ impl FaceInterface {
     /// The history of friction as plain numbers, for a restart; empty before a state was [accepted](Self::accept). Each node has two
     /// points, its own and its anchor. In [windows](crate::surface::window) their nodes have their numbers in the whole surfaces, too: two
     /// parts of [`split_history`](crate::interface::split_history) go with a node from window to window.
-    #[must_use]
     pub fn history(&self) -> Vec<f64> {
         self.numbers_of(self.tracks.as_deref())
     }
 
     /// The history that friction is measured from at the moment: [`history`](Self::history) with the rounds of [`augment`](Self::augment)
     /// since the last accepted step.
-    #[must_use]
     pub fn augmented_history(&self) -> Vec<f64> {
         self.numbers_of(self.present_history())
     }

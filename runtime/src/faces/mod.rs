@@ -113,7 +113,6 @@ pub struct FaceOptions {
 
 impl FaceOptions {
     /// With the rule of second degree.
-    #[must_use]
     pub fn new(interface: InterfaceOptions) -> Self {
         Self { interface, rule: FaceRule::default() }
     }
@@ -205,25 +204,21 @@ struct FaceCut {
 
 impl FaceInterface {
     /// The options.
-    #[must_use]
     pub const fn options(&self) -> &FaceOptions {
         &self.options
     }
 
     /// The master surface.
-    #[must_use]
     pub const fn master(&self) -> &MasterSurface {
         self.interface.master()
     }
 
     /// The nodes of the slave's faces, in the order of all results.
-    #[must_use]
     pub fn slaves(&self) -> &[usize] {
         &self.nodes
     }
 
     /// ∫ N_A dA over all faces of each node in the first configuration, length².
-    #[must_use]
     pub fn areas(&self) -> &[f64] {
         &self.areas
     }
@@ -237,7 +232,6 @@ impl FaceInterface {
     }
 
     /// Middles of edges and faces where the slave's own nodes carry no fit: there its faces are as flat as their corners say.
-    #[must_use]
     pub const fn straight(&self) -> usize {
         self.skin.straight
     }
@@ -248,7 +242,6 @@ impl FaceInterface {
     ///
     /// # Panics
     /// If there is no such node or position, or the index is that of another surface.
-    #[must_use]
     pub fn facet_over(
         &self,
         k: usize,
@@ -469,7 +462,6 @@ impl FaceInterface {
     }
 
     /// What the last [`evaluate`](Self::evaluate) returned; empty before.
-    #[must_use]
     pub const fn contacts(&self) -> &FaceContacts {
         &self.contacts
     }

@@ -29,7 +29,6 @@ pub struct QuadraticFace {
 
 impl QuadraticFace {
     /// A face by its nodes; `None` if these are not 6, 8 or 9.
-    #[must_use]
     pub fn new(nodes: &[usize]) -> Option<Self> {
         let mut own = [0; MOST_NODES];
         let is_known = matches!(nodes.len(), 6 | 8 | 9);
@@ -40,14 +39,12 @@ impl QuadraticFace {
     }
 
     /// Its nodes.
-    #[must_use]
     pub fn nodes(&self) -> &[usize] {
         &self.nodes[..self.count]
     }
 
     /// The flat facets between all of its nodes, oriented as it is: a triangle at each corner and what the middles enclose, or four
     /// quadrilaterals around the centre.
-    #[must_use]
     pub fn facets(&self) -> Vec<Facet> {
         let corners = if self.count == 6 { 3 } else { 4 };
         let (corner, middle) = self.nodes[..2 * corners].split_at(corners);

@@ -170,7 +170,6 @@ impl FaceInterface {
     }
 
     /// Whether there are windows of the surfaces only.
-    #[must_use]
     pub const fn is_in_window(&self) -> bool {
         self.window.is_some()
     }

@@ -27,7 +27,6 @@ pub enum FrictionError {
 
 impl FrictionError {
     /// Short name, as in results.
-    #[must_use]
     pub const fn code(&self) -> &'static str {
         match self {
             Self::InvalidCoefficient { .. } => "invalid-friction-coefficient",

@@ -17,7 +17,6 @@ pub enum FrictionState {
 
 impl FrictionState {
     /// Name in results.
-    #[must_use]
     pub const fn name(self) -> &'static str {
         match self {
             Self::Open => "open",
@@ -111,7 +110,6 @@ impl FrictionForce {
 
     /// Work of the traction over what slid since the last step was accepted, for a slip s, energy: what the slip since the place of
     /// touch has lost to the anchor.
-    #[must_use]
     pub fn dissipated(&self, slip: f64) -> f64 {
         self.sliding().dissipated(slip)
     }
@@ -122,7 +120,6 @@ impl FrictionForce {
     }
 
     /// R = −c ∇q, the force on slave, masters and anchor, 3(n+2) entries.
-    #[must_use]
     pub fn contact_force(&self, slip: &Slip) -> Vec<f64> {
         slip.gradient.iter().map(|x| -self.factor * x).collect()
     }
@@ -132,7 +129,6 @@ impl FrictionForce {
     ///
     /// # Panics
     /// If the slip has no Hessian.
-    #[must_use]
     pub fn tangent(&self, slip: &Slip) -> Vec<Vec<f64>> {
         let size = slip.gradient.len();
         assert_eq!(slip.hessian.size(), size, "a slip with its Hessian");

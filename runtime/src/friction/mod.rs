@@ -142,25 +142,21 @@ impl<'a> Coulomb<'a> {
     }
 
     /// Whether contacts may be augmented.
-    #[must_use]
     pub const fn is_augmented(&self) -> bool {
         self.is_augmented
     }
 
     /// Whether μ is 0 whatever the contact does.
-    #[must_use]
     pub fn is_none(&self) -> bool {
         matches!(self.coefficient, Coefficient::Constant(0.0))
     }
 
     /// ε_T, force per length.
-    #[must_use]
     pub const fn stiffness(&self) -> f64 {
         self.stiffness
     }
 
     /// τ, if there is a limit.
-    #[must_use]
     pub fn shear_limit(&self) -> Option<f64> {
         Some(self.shear_limit).filter(|limit| *limit < f64::MAX)
     }
@@ -262,14 +258,12 @@ impl<'a> Coulomb<'a> {
 
     /// The friction of a contact with this normal force and this half square q ≥ 0 of the slip. Without normal force, or with μ = 0,
     /// there is none.
-    #[must_use]
     pub fn force(&self, normal: NormalForce, half_square: f64) -> FrictionForce {
         self.force_since(normal, half_square, 0.0)
     }
 
     /// The same of a contact that was open when the last step was accepted, and had its anchor in its foot. `opening` ≥ 0 is the
     /// force that the gap of then would make, ε g₀.
-    #[must_use]
     pub fn force_since(&self, normal: NormalForce, half_square: f64, opening: f64) -> FrictionForce {
         if !(normal.force > 0.0) {
             return FrictionForce::NONE;

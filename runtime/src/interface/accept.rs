@@ -178,14 +178,12 @@ impl ContactInterface {
     /// The history of friction as plain numbers, for a restart; empty before a state was [accepted](Self::accept). Nodes have their numbers
     /// in the whole surface, in an interface of a [window](crate::surface::window), too: histories go with slaves from window to window,
     /// [slave by slave](super::split_history).
-    #[must_use]
     pub fn history(&self) -> Vec<f64> {
         self.numbers_of(self.anchors.as_deref())
     }
 
     /// The history that friction is measured from at the moment: [`history`](Self::history) with the rounds of [`augment`](Self::augment)
     /// since the last accepted step.
-    #[must_use]
     pub fn augmented_history(&self) -> Vec<f64> {
         self.numbers_of(self.present_anchors())
     }
@@ -200,7 +198,6 @@ impl ContactInterface {
     }
 
     /// Whether a state was [accepted](Self::accept) since the history began.
-    #[must_use]
     pub const fn has_history(&self) -> bool {
         self.anchors.is_some()
     }
@@ -229,7 +226,6 @@ impl ContactInterface {
     }
 
     /// The history of friction, one entry per slave; `None` before a state was [accepted](Self::accept).
-    #[must_use]
     pub fn anchors(&self) -> Option<&[Option<Anchor>]> {
         self.anchors.as_deref()
     }

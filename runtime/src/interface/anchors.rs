@@ -25,7 +25,6 @@ pub struct Anchor {
 
 impl Anchor {
     /// Of a slave that stuck at this point.
-    #[must_use]
     pub const fn new(point: AffinePoint) -> Self {
         Self { point, opening: 0.0, origin: None }
     }

@@ -49,19 +49,16 @@ impl Contacts {
     }
 
     /// Number of slave nodes that have been evaluated.
-    #[must_use]
     pub fn len(&self) -> usize {
         self.slots.outcomes.len()
     }
 
     /// Whether there are no slave nodes.
-    #[must_use]
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }
 
     /// How many derivatives there are, where there are any.
-    #[must_use]
     pub const fn mode(&self) -> Mode {
         self.slots.mode
     }
@@ -70,7 +67,6 @@ impl Contacts {
     ///
     /// # Panics
     /// If there is none.
-    #[must_use]
     pub fn get(&self, k: usize) -> ContactRef<'_> {
         self.slots.get(&self.layout, k)
     }

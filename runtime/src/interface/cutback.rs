@@ -47,7 +47,6 @@ pub struct Cutback {
 
 impl Cutback {
     /// Of an interface with this number of slaves, none of which has penetrated.
-    #[must_use]
     pub fn new(slaves: usize) -> Self {
         Self { penetrated: vec![false; slaves] }
     }
@@ -70,7 +69,6 @@ impl Cutback {
     /// * 0.25 for one whose element has no result for another reason: no foot, singular fit, overflow;
     ///
     /// but not below 0.1. `limit` is positive.
-    #[must_use]
     pub fn hint(&self, interface: &ContactInterface, limit: f64) -> CutbackHint {
         let mut hint = CutbackHint { factor: NONE, cause: None };
         for (k, (contact, &penetrated)) in interface.contacts().iter().zip(&self.penetrated).enumerate() {

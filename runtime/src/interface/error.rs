@@ -95,7 +95,6 @@ pub enum InterfaceError {
 
 impl InterfaceError {
     /// Stable machine-readable code.
-    #[must_use]
     pub const fn code(&self) -> &'static str {
         match self {
             Self::Surface(error) => error.code(),

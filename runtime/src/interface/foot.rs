@@ -46,13 +46,11 @@ pub struct FootRef<'a> {
 
 impl ContactFeet {
     /// Number of slave nodes.
-    #[must_use]
     pub fn len(&self) -> usize {
         self.outcomes.len()
     }
 
     /// Whether there are no slave nodes.
-    #[must_use]
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }
@@ -61,7 +59,6 @@ impl ContactFeet {
     ///
     /// # Panics
     /// If there is none.
-    #[must_use]
     pub fn get(&self, k: usize) -> FootRef<'_> {
         let outcome = self.outcomes[k];
         let end = if outcome.is_contact() { k + 1 } else { k };

@@ -152,25 +152,21 @@ pub struct ContactInterface {
 
 impl ContactInterface {
     /// The planes of symmetry.
-    #[must_use]
     pub fn symmetry(&self) -> &[SymmetryPlane] {
         &self.planes
     }
 
     /// The master surface.
-    #[must_use]
     pub const fn master(&self) -> &MasterSurface {
         &self.master
     }
 
     /// The options.
-    #[must_use]
     pub const fn options(&self) -> &InterfaceOptions {
         &self.options
     }
 
     /// The slave nodes, in the order of all results.
-    #[must_use]
     pub fn slaves(&self) -> &[usize] {
         self.pairings.layout.slaves()
     }
@@ -179,7 +175,6 @@ impl ContactInterface {
     ///
     /// # Panics
     /// If there is no such slave.
-    #[must_use]
     pub fn support_radius(&self, k: usize) -> Option<f64> {
         self.pairings.get(k).ok().map(|paired| paired.record.support_radius)
     }
@@ -242,7 +237,6 @@ impl ContactInterface {
     }
 
     /// What the last [`evaluate`](Self::evaluate) returned; empty before. A refresh or an update leaves it as it is.
-    #[must_use]
     pub const fn contacts(&self) -> &Contacts {
         &self.contacts
     }

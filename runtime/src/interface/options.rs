@@ -45,7 +45,6 @@ impl Default for ContactElement {
 
 impl ContactElement {
     /// The diffuse element of the nodes that a search takes, with the cubic weight and a co-moving frame.
-    #[must_use]
     pub fn diffuse(search: SearchOptions) -> Self {
         Self::Diffuse { weight: Weight::default(), frame: FrameDerivative::CoMoving, search }
     }
@@ -70,7 +69,6 @@ impl ContactElement {
 
     /// Polynomial degree of the smooth surface under a slave whose search had to give this up; 0 without a fit. A basis of the
     /// caller's counts as one of degree 2.
-    #[must_use]
     pub const fn degree(&self, fallback: Fallback) -> u8 {
         match (self, fallback) {
             (Self::NodeToFacet, _) => 0,
@@ -117,7 +115,6 @@ impl Default for InterfaceOptions {
 
 impl InterfaceOptions {
     /// The options with the node-to-facet element.
-    #[must_use]
     pub fn node_to_facet() -> Self {
         Self { element: ContactElement::NodeToFacet, ..Self::default() }
     }

@@ -56,13 +56,11 @@ pub enum NoContact {
 
 impl Outcome {
     /// Whether there is a result.
-    #[must_use]
     pub const fn is_contact(&self) -> bool {
         matches!(self, Self::Contact { .. })
     }
 
     /// Stable machine-readable code: `"contact"` or that of [`NoContact`].
-    #[must_use]
     pub const fn code(&self) -> &'static str {
         match self {
             Self::Contact { .. } => "contact",
@@ -73,7 +71,6 @@ impl Outcome {
 
 impl NoContact {
     /// Stable machine-readable code; for [`Element`](Self::Element) that of the [`ElementError`].
-    #[must_use]
     pub const fn code(&self) -> &'static str {
         match self {
             Self::NotPaired => "not-paired",

@@ -97,7 +97,6 @@ enum Stage {
 
 impl PartDemands {
     /// As integers and floating-point numbers, for a host to send.
-    #[must_use]
     pub fn to_numbers(&self) -> (Vec<i64>, Vec<f64>) {
         let Self { nodes, factors, crowded, facets, bases } = self;
         let mut integers = vec![nodes.len() as i64, facets.len() as i64];
@@ -318,7 +317,6 @@ impl SurfacePart {
 
     /// What other ranks have to know in this round: of the nodes and facets of this part, which may be theirs, too. Nothing once domains
     /// are settled.
-    #[must_use]
     pub fn demands(&self) -> PartDemands {
         let mut all = PartDemands::default();
         match &self.stage {

@@ -91,7 +91,6 @@ impl SlaveGap {
 
 impl GapJump {
     /// |after − before|
-    #[must_use]
     pub fn size(&self) -> f64 {
         (self.after - self.before).abs()
     }

@@ -121,7 +121,6 @@ impl ContactInterface {
     }
 
     /// Whether there is a window of the master surface only.
-    #[must_use]
     pub const fn is_in_window(&self) -> bool {
         self.known.is_some()
     }

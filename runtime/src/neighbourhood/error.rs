@@ -53,7 +53,6 @@ pub enum NeighbourhoodError {
 
 impl NeighbourhoodError {
     /// Stable machine-readable code, the same as [`ElementError::code`] where the reason is the same.
-    #[must_use]
     pub const fn code(&self) -> &'static str {
         match self {
             Self::NoCandidate { .. } => "no-candidate",
@@ -69,7 +68,6 @@ impl NeighbourhoodError {
     }
 
     /// The reason why [`NearestNodes::new`](crate::pairing::NearestNodes::new) refused a set of nodes.
-    #[must_use]
     pub const fn of_nodes(error: &ElementError) -> Self {
         match *error {
             ElementError::NonFiniteInput { what, index } => Self::NonFiniteInput { what, index },

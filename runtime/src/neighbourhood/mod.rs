@@ -162,7 +162,6 @@ pub struct Neighbourhood {
 /// How well the masters of an element carry its fit, from 0 to 1: [`Neighbourhood::regularity`] in the element's own frame and support
 /// radius, or domains in the first configuration. Where it is below [`SMALLEST_REGULARITY`], no search would choose them, and derivatives
 /// may be large. `None` for a basis of one's own.
-#[must_use]
 pub fn element_regularity(element: &Element<'_>) -> Option<f64> {
     let Element { slave, masters, frame, support_radius, domains, basis, .. } = element;
     let offsets = masters.iter().map(|&master| {
@@ -184,7 +183,6 @@ impl Neighbourhood {
     ///
     /// # Panics
     /// If `nodes` is another cloud with too few nodes.
-    #[must_use]
     pub fn pairing(&self, nodes: &NearestNodes, weight: Weight) -> Pairing {
         let positions: Vec<Point> = self.nodes.iter().map(|&k| nodes.points()[k]).collect();
         Pairing {

@@ -55,19 +55,16 @@ pub enum NeighbourRule {
 
 impl NeighbourRule {
     /// [`HullLayers`](Self::HullLayers), up to [`MAX_LAYERS`].
-    #[must_use]
     pub const fn hull_layers(layers: Option<usize>) -> Self {
         Self::HullLayers { layers, max_layers: MAX_LAYERS }
     }
 
     /// [`HullRadius`](Self::HullRadius), up to [`MAX_LAYERS`].
-    #[must_use]
     pub const fn hull_radius(layers: Option<usize>) -> Self {
         Self::HullRadius { layers, max_layers: MAX_LAYERS }
     }
 
     /// [`Nearest`](Self::Nearest), up to [`MAX_NEIGHBOURS`].
-    #[must_use]
     pub const fn nearest(count: usize) -> Self {
         Self::Nearest { count, max_count: MAX_NEIGHBOURS }
     }
@@ -117,13 +114,11 @@ impl Default for SearchOptions {
 
 impl SearchOptions {
     /// The default number of nearest nodes by [`NeighbourRule::Nearest`].
-    #[must_use]
     pub fn nearest() -> Self {
         Self { rule: NeighbourRule::nearest(DEFAULT_NEIGHBOURS), ..Self::default() }
     }
 
     /// Nodal domains of influence, for interfaces.
-    #[must_use]
     pub fn domains() -> Self {
         Self { rule: NeighbourRule::Domains, ..Self::default() }
     }

@@ -58,7 +58,6 @@ impl NeighbourSearch {
     }
 
     /// The options of this search.
-    #[must_use]
     pub const fn options(&self) -> &SearchOptions {
         &self.options
     }

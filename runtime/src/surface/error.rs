@@ -65,7 +65,6 @@ pub enum SurfaceError {
 
 impl SurfaceError {
     /// Stable machine-readable code.
-    #[must_use]
     pub const fn code(&self) -> &'static str {
         match self {
             Self::Empty => "empty-surface",

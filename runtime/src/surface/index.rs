@@ -107,13 +107,11 @@ impl<'a> SurfaceIndex<'a> {
     }
 
     /// The connectivity.
-    #[must_use]
     pub const fn surface(&self) -> &'a MasterSurface {
         self.surface
     }
 
     /// Positions of the nodes in the order of [`MasterSurface::nodes`].
-    #[must_use]
     pub fn positions(&self) -> &[Point] {
         &self.positions
     }
@@ -122,13 +120,11 @@ impl<'a> SurfaceIndex<'a> {
     ///
     /// # Panics
     /// If there is no such facet.
-    #[must_use]
     pub fn normal(&self, facet: usize) -> Point {
         self.normals[facet].into()
     }
 
     /// The closest point of the surface; `None` if `point` is not finite (or beyond ±10⁷⁵).
-    #[must_use]
     pub fn closest(&self, point: Point) -> Option<ClosestPoint> {
         let mut ties = Vec::new();
         let found = self.closest_among_ties(point, &mut ties)?;

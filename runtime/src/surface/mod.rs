@@ -85,7 +85,6 @@ pub enum Facet {
 
 impl Facet {
     /// The corners in their order.
-    #[must_use]
     pub const fn corners(&self) -> &[usize] {
         match self {
             Self::Triangle(corners) => corners,

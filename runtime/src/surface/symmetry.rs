@@ -30,7 +30,6 @@ impl SymmetryPlane {
     ///
     /// # Panics
     /// If there is no such axis.
-    #[must_use]
     pub fn across(axis: usize, point: Point) -> Self {
         let mut normal = [0.0; 3];
         normal[axis] = 1.0;

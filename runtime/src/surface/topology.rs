@@ -88,19 +88,16 @@ impl MasterSurface {
     }
 
     /// The indices of the surface's nodes, ascending.
-    #[must_use]
     pub fn nodes(&self) -> &[u32] {
         &self.nodes
     }
 
     /// Number of facets.
-    #[must_use]
     pub const fn facet_count(&self) -> usize {
         self.corners.len()
     }
 
     /// Number of positions that everything geometric needs: the highest index of a node, plus 1.
-    #[must_use]
     pub fn positions_needed(&self) -> usize {
         self.nodes.last().map_or(0, |&node| node as usize + 1)
     }
@@ -109,7 +106,6 @@ impl MasterSurface {
     ///
     /// # Panics
     /// If there is no such facet.
-    #[must_use]
     pub fn facet(&self, index: usize) -> Facet {
         let node = |place: u32| self.nodes[place as usize] as usize;
         let [a, b, c, d] = self.corners[index];
@@ -163,7 +159,6 @@ impl MasterSurface {
     }
 
     /// Whether this is a part of a surface, as a [`Window`](super::Window) holds it.
-    #[must_use]
     pub const fn is_part(&self) -> bool {
         !self.cut.is_empty() || self.corners.is_empty()
     }

@@ -114,7 +114,6 @@ fn repeated(interaction: &Interaction, problem: &Problem) -> Option<String> {
 
 impl Beginning {
     /// Of the slaves of a model's interaction, one of the problem's.
-    #[must_use]
     pub fn of(interaction: &Interaction, model: &Model, problem: &Problem) -> Self {
         let is_deep = |node: usize, gap: f64| gap < -DEEP * interaction.facet_size_at(node);
         let moved = interaction.slaves().filter(|slave| !slave.is_held);
@@ -152,7 +151,6 @@ impl Beginning {
     }
 
     /// What the deck could say more, in sentences.
-    #[must_use]
     pub fn notes(&self) -> Vec<String> {
         let note = |line: &String| {
             format!(
@@ -165,7 +163,6 @@ impl Beginning {
     }
 
     /// What may be wrong with the start, in sentences.
-    #[must_use]
     pub fn warnings(&self) -> Vec<String> {
         let Self {
             interface,

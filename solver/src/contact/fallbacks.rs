@@ -16,7 +16,6 @@ pub struct Fallbacks {
 
 impl Fallbacks {
     /// Whether there are none.
-    #[must_use]
     pub const fn is_none(&self) -> bool {
         self.linear == 0 && self.extended == 0
     }
@@ -37,7 +36,6 @@ impl Fallbacks {
     }
 
     /// Those kinds that are more than `before`, in sentences about an interface of so many slaves.
-    #[must_use]
     pub fn warnings(&self, before: Self, interface: &str, slaves: usize) -> Vec<String> {
         let kinds = [
             (

@@ -164,7 +164,6 @@ impl Interaction {
     }
 
     /// The options.
-    #[must_use]
     pub fn options(&self) -> &InteractionOptions {
         &self.options
     }
@@ -188,7 +187,6 @@ impl Interaction {
     }
 
     /// What the masters of its slaves made the smooth surface give up at the last evaluation.
-    #[must_use]
     pub fn fallbacks(&self) -> Fallbacks {
         let mut all = Fallbacks::default();
         self.slaves().for_each(|slave| all.count(slave.fallback));
@@ -197,7 +195,6 @@ impl Interaction {
 
     /// Slaves that carry force deep below the master, beside the size of their facets, at the last evaluation. Where slave and masters are all
     /// prescribed it is the deck's, and left out.
-    #[must_use]
     pub fn penetration(&self) -> Penetration {
         let mut all = Penetration::default();
         for slave in self.slaves().filter(|slave| slave.force > 0.0 && !slave.is_held) {
@@ -207,7 +204,6 @@ impl Interaction {
     }
 
     /// Forces on each of `count` nodes at the last evaluation.
-    #[must_use]
     pub fn nodal_forces(&self, count: usize) -> NodalForces {
         let mut all = NodalForces { forces: vec![[0.0; 3]; count], friction: vec![[0.0; 3]; count] };
         self.passes.iter().for_each(|pass| pass.add_nodal_forces(&mut all));
@@ -274,7 +270,6 @@ impl Interaction {
     }
 
     /// Work of friction so far, energy.
-    #[must_use]
     pub fn dissipated(&self) -> f64 {
         self.passes.iter().map(|pass| pass.dissipated()).sum()
     }
@@ -350,7 +345,6 @@ impl Interaction {
 
     /// How far the contacts are from f ≥ 0, g ≥ 0, f g = 0, length: the largest |g| of those that carry force and −g of the
     /// others. Those that can move nothing are left out.
-    #[must_use]
     pub fn gap_error(&self) -> f64 {
         let moved = self.slaves().filter(|slave| !slave.is_held);
         let error =
@@ -458,7 +452,6 @@ impl Interaction {
 
     /// Deepest penetration at the last evaluation, length, whether it carries force or not; 0 without any. Where slave and masters
     /// are all prescribed it is the deck's, and left out.
-    #[must_use]
     pub fn max_penetration(&self) -> f64 {
         let moved = self.slaves().filter(|slave| !slave.is_held);
         moved.filter_map(|slave| slave.gap).map(|gap| -gap).fold(0.0, f64::max)

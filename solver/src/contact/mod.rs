@@ -53,13 +53,11 @@ pub struct ContactSet {
 
 impl ContactSet {
     /// The interactions in the order of the deck.
-    #[must_use]
     pub fn new(interactions: Vec<Interaction>) -> Self {
         Self { interactions }
     }
 
     /// The interactions in the order of the deck.
-    #[must_use]
     pub fn interactions(&self) -> &[Interaction] {
         &self.interactions
     }
@@ -215,7 +213,6 @@ impl ContactSet {
     }
 
     /// The history of friction of all passes, for a restart.
-    #[must_use]
     pub fn friction_history(&self) -> Vec<FrictionHistory> {
         self.interactions.iter().flat_map(Interaction::friction_history).collect()
     }
@@ -267,7 +264,6 @@ impl ContactSet {
     }
 
     /// The slaves of each pass that carry force, by their places in it: like the multipliers a part of the history.
-    #[must_use]
     pub fn loaded(&self) -> Vec<Vec<u32>> {
         self.interactions.iter().flat_map(Interaction::loaded).collect()
     }
@@ -333,13 +329,11 @@ impl ContactSet {
 
     /// Integration points of loaded faces that carry no force at the last evaluation although they have a gap: their line of force
     /// meets no place of the facet over them.
-    #[must_use]
     pub fn missed(&self) -> usize {
         self.interactions.iter().map(Interaction::missed).sum()
     }
 
     /// The multipliers of all interactions, for a restart.
-    #[must_use]
     pub fn multipliers(&self) -> Vec<Vec<f64>> {
         self.interactions.iter().flat_map(Interaction::multipliers).collect()
     }
@@ -358,7 +352,6 @@ impl ContactSet {
     }
 
     /// Passes of all interactions.
-    #[must_use]
     pub fn pass_count(&self) -> usize {
         self.interactions.iter().map(Interaction::pass_count).sum()
     }
@@ -384,13 +377,11 @@ impl ContactSet {
     }
 
     /// What each interaction exerts in all.
-    #[must_use]
     pub fn resultants(&self, positions: &[[f64; 3]]) -> Vec<Resultant> {
         self.interactions.iter().map(|interaction| interaction.resultant(positions)).collect()
     }
 
     /// Deepest penetration of any slave at the last evaluation, as [`Interaction::max_penetration`], length; 0 without any.
-    #[must_use]
     pub fn max_penetration(&self) -> f64 {
         self.interactions.iter().map(Interaction::max_penetration).fold(0.0, f64::max)
     }

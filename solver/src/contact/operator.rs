@@ -21,7 +21,6 @@ impl ContactTangent {
     pub const ALL: [Self; 2] = [Self::Assembled, Self::Operator];
 
     /// Name in decks.
-    #[must_use]
     pub const fn name(self) -> &'static str {
         match self {
             Self::Assembled => "assembled",

@@ -44,7 +44,6 @@ impl RefreshRule {
     pub const ALL: [Self; 2] = [Self::Increment, Self::Iteration];
 
     /// Name in decks.
-    #[must_use]
     pub const fn name(self) -> &'static str {
         match self {
             Self::Increment => "increment",
@@ -70,7 +69,6 @@ impl TangentRule {
     pub const ALL: [Self; 3] = [Self::Adaptive, Self::Exact, Self::GaussNewton];
 
     /// Name in decks.
-    #[must_use]
     pub const fn name(self) -> &'static str {
         match self {
             Self::Adaptive => "adaptive",
@@ -80,7 +78,6 @@ impl TangentRule {
     }
 
     /// The tangent at a state with these norms of the residual and of the forces.
-    #[must_use]
     pub fn at(self, residual: f64, force: f64) -> Tangent {
         match self {
             Self::Adaptive => Tangent::adaptive(residual, force),
@@ -104,7 +101,6 @@ pub struct Augmentation {
 
 impl Augmentation {
     /// Up to ten rounds, until gaps are within a tolerance.
-    #[must_use]
     pub const fn new(tolerance: f64) -> Self {
         Self { tolerance, max_rounds: 10 }
     }
@@ -144,7 +140,6 @@ pub struct Friction {
 
 impl Friction {
     /// With this coefficient, a stiffness as large as the penalty, the exact tangent, and without augmentation.
-    #[must_use]
     pub const fn new(coefficient: Coefficient) -> Self {
         Self { coefficient, stiffness: None, shear_limit: None, is_symmetric: false, augmentation: None }
     }
@@ -197,7 +192,6 @@ pub struct InteractionOptions {
 impl InteractionOptions {
     /// Penalty alone, paired at the beginning of an increment, with the adaptive tangent, one pass, the default element and no
     /// planes of symmetry.
-    #[must_use]
     pub fn new(name: impl Into<String>, penalty: f64) -> Self {
         Self {
             name: name.into(),

@@ -32,7 +32,6 @@ impl Penetration {
     }
 
     /// What to think of it, in a sentence about an interface with this penalty.
-    #[must_use]
     pub fn warning(&self, interface: &str, penalty: f64) -> String {
         let Self { slaves, part } = self;
         format!(

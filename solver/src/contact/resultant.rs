@@ -39,7 +39,6 @@ impl Resultant {
 
 impl Interaction {
     /// Forces of the last evaluation, at the positions it was for.
-    #[must_use]
     pub fn resultant(&self, positions: &[Point]) -> Resultant {
         let mut sum = Resultant::default();
         let is_own = self.options().self_contact;

@@ -47,7 +47,6 @@ impl Colour {
         [Self::Displacement, Self::VonMises, Self::PlasticStrain, Self::Gap, Self::Pressure];
 
     /// Name in decks.
-    #[must_use]
     pub const fn name(self) -> &'static str {
         match self {
             Self::Displacement => "displacement",

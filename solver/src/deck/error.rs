@@ -23,7 +23,6 @@ pub enum DeckError {
 
 impl DeckError {
     /// What is wrong, unless the file cannot be read.
-    #[must_use]
     pub fn problem(&self) -> Option<&Problem> {
         match self {
             Self::Invalid { problem, .. } => Some(problem),

@@ -32,7 +32,6 @@ impl Contact {
     pub const ALL: [Self; 3] = [Self::Diffuse, Self::NodeToFacet, Self::None];
 
     /// Name in decks.
-    #[must_use]
     pub const fn name(self) -> &'static str {
         match self {
             Self::Diffuse => "diffuse",
@@ -82,7 +81,6 @@ pub struct Interface {
 
 impl Interface {
     /// The options of its contact surfaces with this element; [`Contact::None`] has those of the diffuse element.
-    #[must_use]
     pub fn options(&self, contact: Contact) -> InterfaceOptions {
         let mut surface = self.surface;
         // Without a penalty it is one per area.

@@ -73,19 +73,16 @@ impl Law {
     }
 
     /// κ + 4/3 μ, force per area: the stiffness against a strain along one axis alone.
-    #[must_use]
     pub fn longitudinal_modulus(&self) -> f64 {
         self.bulk + 4.0 / 3.0 * self.shear
     }
 
     /// E, force per area.
-    #[must_use]
     pub fn young_modulus(&self) -> f64 {
         9.0 * self.bulk * self.shear / (3.0 * self.bulk + self.shear)
     }
 
     /// `volume_ratio` θ > 0.
-    #[must_use]
     #[inline]
     pub fn volumetric(&self, volume_ratio: f64) -> Volumetric {
         let bulk_modulus = self.bulk;
@@ -122,7 +119,6 @@ impl Law {
 
 impl Isochoric {
     /// The deviatoric Kirchhoff stress in global axes.
-    #[must_use]
     #[inline]
     pub fn kirchhoff(&self) -> Matrix3<f64> {
         let scaled = Matrix3::from_columns(&[0, 1, 2].map(|a| self.axes.column(a) * self.stress[a]));

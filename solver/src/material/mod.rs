@@ -67,13 +67,11 @@ pub struct MaterialError {
 
 impl Material {
     /// Hencky's elasticity without plasticity.
-    #[must_use]
     pub const fn elastic(young: f64, poisson: f64) -> Self {
         Self { young, poisson, model: MaterialModel::Hencky { plasticity: None } }
     }
 
     /// Neo-Hooke elasticity.
-    #[must_use]
     pub const fn neo_hooke(young: f64, poisson: f64) -> Self {
         Self { young, poisson, model: MaterialModel::NeoHooke }
     }
@@ -85,7 +83,6 @@ impl Material {
     }
 
     /// How it yields; `None`: elastic.
-    #[must_use]
     pub const fn plasticity(&self) -> Option<Plasticity> {
         match self.model {
             MaterialModel::Hencky { plasticity } => plasticity,
@@ -122,13 +119,11 @@ impl Material {
     }
 
     /// κ = E / 3(1 − 2ν), force per area.
-    #[must_use]
     pub fn bulk_modulus(&self) -> f64 {
         self.young / (3.0 * (1.0 - 2.0 * self.poisson))
     }
 
     /// μ = E / 2(1 + ν), force per area.
-    #[must_use]
     pub fn shear_modulus(&self) -> f64 {
         self.young / (2.0 * (1.0 + self.poisson))
     }

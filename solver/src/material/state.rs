@@ -19,7 +19,6 @@ impl PointState {
         Self { inverse_plastic_metric: [1.0, 1.0, 1.0, 0.0, 0.0, 0.0], equivalent_plastic_strain: 0.0 };
 
     /// C_p⁻¹ as a matrix.
-    #[must_use]
     pub fn inverse_plastic_metric(&self) -> Matrix3<f64> {
         let [xx, yy, zz, xy, yz, xz] = self.inverse_plastic_metric;
         Matrix3::new(xx, xy, xz, xy, yy, yz, xz, yz, zz)

@@ -67,13 +67,11 @@ impl Cells {
     }
 
     /// Number of elements.
-    #[must_use]
     pub fn len(&self) -> usize {
         self.kinds.len()
     }
 
     /// Whether there are none.
-    #[must_use]
     pub fn is_empty(&self) -> bool {
         self.kinds.is_empty()
     }
@@ -87,7 +85,6 @@ impl Cells {
     ///
     /// # Panics
     /// If there is no such element.
-    #[must_use]
     pub fn get(&self, k: usize) -> Cell<'_> {
         let start = if k == 0 { 0 } else { self.ends[k - 1] };
         let (kind, incompatible_modes) = (self.kinds[k], self.incompatible[k]);
@@ -95,7 +92,6 @@ impl Cells {
     }
 
     /// The nodes of all elements, one element after the other.
-    #[must_use]
     pub fn nodes(&self) -> &[usize] {
         &self.nodes
     }
@@ -116,13 +112,11 @@ impl Cells {
     }
 
     /// The facets that the faces of one element only are made of, oriented outward, in the order of the elements.
-    #[must_use]
     pub fn skin(&self) -> Vec<Facet> {
         self.outside().flat_map(|(cell, corners)| cell.facets(corners)).collect()
     }
 
     /// The faces of one element only that have nodes in the middle of their edges, with all of their nodes.
-    #[must_use]
     pub fn quadratic_faces(&self) -> Vec<QuadraticFace> {
         if !self.iter().any(|cell| cell.kind.has_middles()) {
             return Vec::new();

@@ -11,7 +11,6 @@ impl Model {
     /// A number, as 32 hexadecimal digits, that two models share only if they have the same start positions bit for bit, the
     /// same elements, with or without incompatible modes, and the same sets and surfaces, in the same order. It is the same on every machine: nodes that were adjusted count
     /// where they were. Materials are not in it.
-    #[must_use]
     pub fn fingerprint(&self) -> String {
         let mut digest = Digest(SipHasher13::new());
         digest.size(self.nodes.len());

@@ -50,7 +50,6 @@ pub(super) fn seams(name: &str, part: &Part) -> Option<String> {
 
 /// Nodes of a mesh file that more than one part of solid elements takes. `parts`: name; file, instance and place; the nodes' numbers in the
 /// file.
-#[must_use]
 pub fn shared_nodes<F: PartialEq>(parts: &[(&str, F, Vec<u64>)]) -> Vec<String> {
     let mut sentences = Vec::new();
     for (k, (name, file, nodes)) in parts.iter().enumerate() {

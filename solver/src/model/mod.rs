@@ -130,7 +130,6 @@ impl Model {
     }
 
     /// Which nodes belong to a body; the others are rigid.
-    #[must_use]
     pub fn deformable(&self) -> Vec<bool> {
         let mut deformable = vec![false; self.nodes.len()];
         for &node in self.bodies.iter().flat_map(|body| body.elements.nodes()) {
@@ -140,13 +139,11 @@ impl Model {
     }
 
     /// The faces of the deformable parts' skins that have nodes in the middle of their edges.
-    #[must_use]
     pub fn quadratic_faces(&self) -> Vec<QuadraticFace> {
         self.deformable_parts().flat_map(|bodies| whole(bodies).quadratic_faces()).collect()
     }
 
     /// The facets of each body that are on the skin of its part: none between materials.
-    #[must_use]
     pub fn skins(&self) -> Vec<Vec<Facet>> {
         let of_part = |bodies: &[Body]| {
             let all = whole(bodies).skin();
@@ -166,7 +163,6 @@ impl Model {
     }
 
     /// The faces that facets are made of, each by its nodes: a face of second order if all of its facets are there, or the facet.
-    #[must_use]
     pub fn faces_of(&self, facets: &[Facet]) -> Vec<Vec<usize>> {
         let mut parts: HashMap<Vec<usize>, usize> = HashMap::new();
         let faces = self.quadratic_faces();
@@ -192,7 +188,6 @@ impl Model {
     }
 
     /// The parts by name with their first node, in the order of their nodes.
-    #[must_use]
     pub fn parts(&self) -> Vec<(&str, usize)> {
         let whole = self.node_sets.iter().filter(|(name, _)| !name.contains('.'));
         let mut parts: Vec<_> =

@@ -15,7 +15,6 @@ pub struct Rotation {
 
 impl Rotation {
     /// Where `position` comes to, turned by `factor` times the angle. Exactly `position` where that is zero.
-    #[must_use]
     pub fn turned(&self, position: [f64; 3], factor: f64) -> [f64; 3] {
         let axis = Vector3::from(self.axis);
         // The largest component first: the axis may be too short or too long to be squared.
@@ -48,7 +47,6 @@ pub struct Amplitude {
 
 impl Amplitude {
     /// From 0 at time 0 to 1 at `end`, a positive time.
-    #[must_use]
     pub fn ramp(end: f64) -> Self {
         Self { points: vec![[0.0, 0.0], [end, 1.0]] }
     }
@@ -70,7 +68,6 @@ impl Amplitude {
     }
 
     /// The points of time and factor.
-    #[must_use]
     pub fn points(&self) -> &[[f64; 2]] {
         &self.points
     }
@@ -81,7 +78,6 @@ impl Amplitude {
     }
 
     /// The factor at a time.
-    #[must_use]
     pub fn at(&self, time: f64) -> f64 {
         let after = self.points.partition_point(|point| point[0] <= time);
         match (after.checked_sub(1).map(|before| self.points[before]), self.points.get(after)) {
@@ -105,13 +101,11 @@ pub struct Motion {
 
 impl Motion {
     /// At rest.
-    #[must_use]
     pub fn fixed() -> Self {
         Self { translation: [0.0; 3], amplitude: Amplitude { points: vec![[0.0, 0.0]] }, rotation: None }
     }
 
     /// Position at time `time` of a node that is at `reference` at the start.
-    #[must_use]
     pub fn position(&self, time: f64, reference: [f64; 3]) -> [f64; 3] {
         let turned = match &self.rotation {
             Some((rotation, amplitude)) => rotation.turned(reference, amplitude.at(time)),
@@ -122,7 +116,6 @@ impl Motion {
     }
 
     /// Whether nothing moves along an axis at any time.
-    #[must_use]
     pub const fn rests_along(&self, axis: usize) -> bool {
         self.rotation.is_none() && self.translation[axis] == 0.0
     }

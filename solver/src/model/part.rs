@@ -57,7 +57,6 @@ impl Part {
     }
 
     /// All facets of the outside: those of a rigid part, the skin of a solid.
-    #[must_use]
     pub fn outside(&self) -> Vec<Facet> {
         if self.elements.is_empty() { self.facets.clone() } else { self.elements.skin() }
     }

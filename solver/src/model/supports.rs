@@ -19,7 +19,6 @@ pub struct Support {
 
 impl Support {
     /// Displacement of its first node, the one with the lowest number, at `time` along the axes that it prescribes, 0 along others.
-    #[must_use]
     pub fn displacement(&self, time: f64, start: &[[f64; 3]]) -> [f64; 3] {
         let Some(&node) = self.nodes.first() else { return [0.0; 3] };
         let position = self.motion.position(time, start[node]);
@@ -77,25 +76,21 @@ impl Supports {
     }
 
     /// The supports it was made of, in the order of the deck.
-    #[must_use]
     pub fn groups(&self) -> &[Support] {
         &self.groups
     }
 
     /// Whether a degree of freedom, 3·node + axis, is free.
-    #[must_use]
     pub fn is_free(&self, freedom: usize) -> bool {
         self.group_of[freedom].is_none()
     }
 
     /// The prescribed axes of each node.
-    #[must_use]
     pub fn prescribed(&self) -> Vec<[bool; 3]> {
         self.group_of.as_chunks::<3>().0.iter().map(|axes| axes.map(|group| group.is_some())).collect()
     }
 
     /// The axes along which each node is held where it is.
-    #[must_use]
     pub fn at_rest(&self) -> Vec<[bool; 3]> {
         let rests = |(axis, group): (usize, &Option<u32>)| {
             group.is_some_and(|group| self.groups[group as usize].motion.rests_along(axis))
@@ -120,7 +115,6 @@ impl Supports {
     }
 
     /// Sum of `forces`, three per node, over the degrees of freedom that belong to a group.
-    #[must_use]
     pub fn sum(&self, group: usize, forces: &[f64]) -> [f64; 3] {
         let mut sum = [0.0; 3];
         for (freedom, of) in self.group_of.iter().enumerate() {
@@ -132,7 +126,6 @@ impl Supports {
     }
 
     /// Moment about a point of `forces`, three per node, over the degrees of freedom that belong to a group: Σ (x − point) × f.
-    #[must_use]
     pub fn moment(&self, group: usize, forces: &[f64], positions: &[[f64; 3]], point: [f64; 3]) -> [f64; 3] {
         let mut sum = [0.0; 3];
         let nodes = self.group_of.as_chunks::<3>().0.iter().zip(forces.as_chunks::<3>().0).zip(positions);

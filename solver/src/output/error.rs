@@ -62,7 +62,6 @@ pub enum OutputError {
 
 impl OutputError {
     /// Whether there was no space left, on the disk or in what the user may have of it.
-    #[must_use]
     pub fn is_full_disk(&self) -> bool {
         use io::ErrorKind::{FileTooLarge, QuotaExceeded, StorageFull};
         matches!(self, Self::Write { source, .. } if matches!(source.kind(), StorageFull | QuotaExceeded | FileTooLarge))

@@ -122,7 +122,6 @@ impl Stresses {
 
 impl Fields {
     /// The fields at the end of an increment, without stresses.
-    #[must_use]
     pub fn of(problem: &Problem, state: &State) -> Self {
         let mut fields = Self::without_contact(problem.start_positions(), state);
         let mut has_gap = vec![false; state.positions.len()];

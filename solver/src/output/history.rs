@@ -31,13 +31,11 @@ pub struct History {
 
 impl History {
     /// A row's value in a column; 0 if there is none of this name.
-    #[must_use]
     pub fn value(&self, row: &HistoryRow, column: &str) -> f64 {
         self.columns.iter().position(|name| name == column).map_or(0.0, |k| row.values[k])
     }
 
     /// Sum of the contact forces of all interfaces.
-    #[must_use]
     pub fn contact_force(&self, row: &HistoryRow) -> [f64; 3] {
         ["x", "y", "z"].map(|axis| {
             let prefix = format!("contact_force_{axis}:");

@@ -61,7 +61,6 @@ fn parse_json<T: for<'a> Deserialize<'a>>(path: &Path, text: &str) -> Result<T, 
 }
 
 /// Whether `path` is a file of the results in `directory`, or would be one, the report apart: others must not replace it.
-#[must_use]
 pub fn is_result(directory: &Path, path: &Path) -> bool {
     directory::Directory::new(directory).owns(path)
 }

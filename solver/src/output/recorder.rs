@@ -42,7 +42,6 @@ pub struct RecorderOptions {
 
 impl RecorderOptions {
     /// Into a directory, with the text of the deck; the default output.
-    #[must_use]
     pub fn new(directory: impl Into<PathBuf>, deck: String) -> Self {
         Self { directory: directory.into(), deck, output: Output::default() }
     }
@@ -157,7 +156,6 @@ impl<'a> Recorder<'a> {
     }
 
     /// Whether a run of this deck began in the directory and ended before its first state: it begins anew.
-    #[must_use]
     pub fn is_begun(options: &RecorderOptions) -> bool {
         Directory::new(&options.directory).is_begun(&options.deck)
     }
@@ -258,13 +256,11 @@ impl<'a> Recorder<'a> {
     }
 
     /// Seconds of this run and those before it.
-    #[must_use]
     pub fn wall_s(&self) -> f64 {
         self.earlier_s + self.begin.elapsed().as_secs_f64()
     }
 
     /// The last state that is on disk.
-    #[must_use]
     pub fn state(&self) -> &State {
         &self.state
     }

@@ -39,7 +39,6 @@ pub struct SkinFrame {
 
 impl Skin {
     /// The skin of a model, and the field that is shown first.
-    #[must_use]
     pub fn of(model: &Model, shown: &str) -> Self {
         let mut corners: Vec<Vec<usize>> = Vec::new();
         let mut parts = Vec::new();
@@ -66,7 +65,6 @@ impl Skin {
     }
 
     /// The skin's part of positions and fields.
-    #[must_use]
     pub fn frame(&self, increment: usize, time: f64, positions: &[[f64; 3]], fields: &Fields) -> SkinFrame {
         let size = |v: &[f64; 3]| v.iter().map(|x| x * x).sum::<f64>().sqrt();
         let displacement: Vec<f64> = fields.displacement.iter().map(size).collect();

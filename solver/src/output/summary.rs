@@ -159,7 +159,6 @@ pub struct PartSummary {
 
 impl Summary {
     /// That of a deck's run before its first increment.
-    #[must_use]
     pub fn new(deck: &Deck, model: &Model) -> Self {
         let elements = model.bodies.iter().map(|body| body.elements.len()).sum();
         Self {
@@ -215,7 +214,6 @@ impl Summary {
     }
 
     /// What went wrong on the way, in sentences.
-    #[must_use]
     pub fn shortcomings(&self) -> Vec<String> {
         let increments = self.increments;
         let counted = [

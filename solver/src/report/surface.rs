@@ -54,7 +54,6 @@ pub struct Master<'a> {
 
 /// Samples of each surface at `positions`, with the domains of influence that it has at the `start`. Surfaces that have no contact
 /// interface are left out.
-#[must_use]
 pub fn sample_surfaces(
     masters: &[Master<'_>],
     start: &[[f64; 3]],

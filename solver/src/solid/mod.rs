@@ -173,13 +173,11 @@ impl Solid {
     }
 
     /// Number of elements.
-    #[must_use]
     pub fn len(&self) -> usize {
         self.elements.len()
     }
 
     /// Whether there are no elements.
-    #[must_use]
     pub fn is_empty(&self) -> bool {
         self.elements.is_empty()
     }
@@ -193,7 +191,6 @@ impl Solid {
     ///
     /// # Panics
     /// If there is no such element.
-    #[must_use]
     pub fn points(&self, element: usize) -> Range<usize> {
         self.starts[element].points..self.starts[element + 1].points
     }
@@ -216,14 +213,12 @@ impl Solid {
     ///
     /// # Panics
     /// If there is no such body.
-    #[must_use]
     pub fn body(&self, index: usize) -> Range<usize> {
         self.bodies[index].elements.clone()
     }
 
     /// What elements hold together: the parts by their names in the deck, with their nodes. Pieces of a part that share no node are parts of
     /// their own, named by a node of theirs.
-    #[must_use]
     pub fn parts(&self) -> &[(String, Vec<usize>)] {
         self.parts.get_or_init(|| self.find_parts())
     }
@@ -251,7 +246,6 @@ impl Solid {
     }
 
     /// The states at the start, one for each point of each element.
-    #[must_use]
     pub fn states(&self) -> Vec<PointState> {
         vec![PointState::VIRGIN; self.end().points]
     }
@@ -341,7 +335,6 @@ impl Solid {
 
     /// c E L h, force, with c = 5e-16: about what rounding of coordinates makes of the forces on a node. E is the largest modulus, L the
     /// largest extent of the elements along an axis, h their mean size.
-    #[must_use]
     pub fn rounding_of_forces(&self, positions: &[[f64; 3]]) -> f64 {
         const ROUNDING: f64 = 5e-16;
         let young = self.bodies.iter().map(|body| body.law.young_modulus()).fold(0.0, f64::max);

@@ -113,7 +113,6 @@ pub struct FacePoint {
 ///
 /// # Panics
 /// For another number.
-#[must_use]
 pub fn face_points(nodes: usize) -> &'static [FacePoint] {
     const FACES: [ElementKind; 5] = [
         ElementKind::Triangle3,

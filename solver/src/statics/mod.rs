@@ -102,7 +102,6 @@ impl Statics {
     }
 
     /// The problem.
-    #[must_use]
     pub fn problem(&self) -> &Problem {
         &self.problem
     }
@@ -117,7 +116,6 @@ impl Statics {
 
     /// What the last [`run`](Self::run) took, and what came before its first state; the last state of a run that failed does not
     /// know of its last tries.
-    #[must_use]
     pub fn effort(&self) -> Effort {
         self.effort
     }

@@ -87,7 +87,6 @@ pub struct IterationRecord {
 
 impl IterationRecord {
     /// Whether it is small enough only since rounding of the positions explains the rest.
-    #[must_use]
     pub fn is_rounded(&self) -> bool {
         self.residual > self.allowed && self.excess <= self.allowed
     }
@@ -146,13 +145,11 @@ pub struct IncrementRecord {
 
 impl IncrementRecord {
     /// Whether it ended with a residual that is small enough only by rounding of the positions.
-    #[must_use]
     pub fn is_rounded(&self) -> bool {
         self.history.last().is_some_and(IterationRecord::is_rounded)
     }
 
     /// Slaves that carry force without friction although their interaction has it: they had no gap at the end of the increment before.
-    #[must_use]
     pub fn unanchored(&self) -> usize {
         self.friction.iter().flatten().map(|friction| friction.unanchored).sum()
     }

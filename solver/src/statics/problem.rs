@@ -125,7 +125,6 @@ impl Balance {
 impl Problem {
     /// Everything in equilibrium from `start` on. Indices of nodes in the parts are in range. `threads`: those of the linear
     /// solver.
-    #[must_use]
     pub fn new(
         start: Vec<[f64; 3]>,
         solid: Solid,
@@ -173,7 +172,6 @@ impl Problem {
     }
 
     /// The state at time 0.
-    #[must_use]
     pub fn start(&self) -> State {
         State {
             time: 0.0,
@@ -236,31 +234,26 @@ impl Problem {
     }
 
     /// Positions of the nodes at the start.
-    #[must_use]
     pub fn start_positions(&self) -> &[[f64; 3]] {
         &self.start
     }
 
     /// The solid.
-    #[must_use]
     pub fn solid(&self) -> &Solid {
         &self.solid
     }
 
     /// The prescribed motions.
-    #[must_use]
     pub fn supports(&self) -> &Supports {
         &self.supports
     }
 
     /// The contacts at the last evaluation.
-    #[must_use]
     pub fn contacts(&self) -> &ContactSet {
         &self.contacts
     }
 
     /// Contacts that carry force at the last evaluation.
-    #[must_use]
     pub fn active(&self) -> usize {
         self.active
     }
@@ -293,7 +286,6 @@ impl Problem {
     }
 
     /// Plastic states of the points at the last evaluation.
-    #[must_use]
     pub fn last_points(&self) -> &[PointState] {
         &self.response.states
     }

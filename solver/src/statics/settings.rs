@@ -48,7 +48,6 @@ impl Extrapolation {
     pub const ALL: [Self; 2] = [Self::None, Self::Linear];
 
     /// Name in decks.
-    #[must_use]
     pub const fn name(self) -> &'static str {
         match self {
             Self::None => "none",
@@ -104,7 +103,6 @@ impl Default for NewtonSettings {
 
 impl Settings {
     /// With these increments and iterations.
-    #[must_use]
     pub const fn new(time: TimeSettings, newton: NewtonSettings) -> Self {
         Self { time, newton }
     }
@@ -151,13 +149,11 @@ impl Settings {
 
 impl TimeSettings {
     /// Increments that start at `increment` and grow no further; cutting back stops after ten halvings.
-    #[must_use]
     pub const fn new(end: f64, increment: f64) -> Self {
         Self { end, increment, minimum: increment / 1024.0, maximum: increment, growth: 1.5, cutback: 0.5 }
     }
 
     /// All increments are equal: there is no growth and no cut-back, and what fails ends the run.
-    #[must_use]
     pub const fn fixed(end: f64, increment: f64) -> Self {
         Self { minimum: increment, growth: 1.0, ..Self::new(end, increment) }
     }

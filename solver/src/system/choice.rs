@@ -31,7 +31,6 @@ impl LinearSolverChoice {
     pub const ALL: [Self; 3] = [Self::Auto, Self::Direct, Self::Iterative];
 
     /// Name in decks.
-    #[must_use]
     pub const fn name(self) -> &'static str {
         match self {
             Self::Auto => "auto",
@@ -93,7 +92,6 @@ pub struct LinearSolver {
 
 impl LinearSolver {
     /// By factors. `threads`: those of factorisations; products use those of the current rayon pool.
-    #[must_use]
     pub fn new(threads: usize) -> Self {
         Self {
             choice: LinearSolverChoice::Direct,
@@ -116,7 +114,6 @@ impl LinearSolver {
     }
 
     /// Whether systems without friction are solved iteratively.
-    #[must_use]
     pub fn is_iterative(&self) -> bool {
         match self.choice {
             LinearSolverChoice::Auto => self.is_quicker_iteratively || self.is_too_large,

@@ -17,7 +17,6 @@ impl Equations {
     ///
     /// # Panics
     /// If there are more than 32-bit indices can name.
-    #[must_use]
     pub fn new(prescribed: &[[bool; 3]]) -> Self {
         assert!(prescribed.len() < (PRESCRIBED / 3) as usize, "more equations than 32-bit indices can name");
         let mut places = Vec::new();
@@ -39,32 +38,27 @@ impl Equations {
     }
 
     /// Number of nodes.
-    #[must_use]
     pub fn nodes(&self) -> usize {
         self.numbers.len()
     }
 
     /// Number of equations.
-    #[must_use]
     pub fn len(&self) -> usize {
         self.places.len()
     }
 
     /// Whether everything is prescribed.
-    #[must_use]
     pub fn is_empty(&self) -> bool {
         self.places.is_empty()
     }
 
     /// The equation of a (node, axis); `None` if it is prescribed.
-    #[must_use]
     pub fn number(&self, node: usize, axis: usize) -> Option<usize> {
         let number = self.numbers[node][axis];
         (number != PRESCRIBED).then_some(number as usize)
     }
 
     /// The (node, axis) of an equation.
-    #[must_use]
     pub fn place(&self, equation: usize) -> (usize, usize) {
         let (node, axis) = self.places[equation];
         (node as usize, axis as usize)

@@ -32,13 +32,11 @@ pub struct Accuracy {
 
 impl Accuracy {
     /// This one.
-    #[must_use]
     pub const fn fixed(tolerance: f64) -> Self {
         Self::between(tolerance, tolerance)
     }
 
     /// Never more than `loosest`, and no less than `tightest`.
-    #[must_use]
     pub const fn between(loosest: f64, tightest: f64) -> Self {
         Self { loosest, tightest, before: None }
     }

@@ -17,14 +17,12 @@ pub struct BlockMatrix {
 
 impl BlockMatrix {
     /// Zero.
-    #[must_use]
     pub fn new(pattern: Arc<BlockPattern>) -> Self {
         let blocks = vec![[[0.0; 3]; 3]; pattern.blocks()];
         Self { pattern, blocks }
     }
 
     /// Its pattern.
-    #[must_use]
     pub fn pattern(&self) -> &Arc<BlockPattern> {
         &self.pattern
     }
@@ -35,7 +33,6 @@ impl BlockMatrix {
     }
 
     /// The block of a pair of nodes, if there is one.
-    #[must_use]
     pub fn block(&self, row: usize, column: usize) -> Option<&[[f64; 3]; 3]> {
         self.pattern.block(row, column).map(|index| &self.blocks[index])
     }
@@ -181,7 +178,6 @@ impl BlockMatrix {
     ///
     /// # Panics
     /// If the length of x is wrong, or there is no such node.
-    #[must_use]
     pub fn multiply_rows(&self, nodes: &[usize], x: &[[f64; 3]]) -> Vec<[f64; 3]> {
         assert_eq!(x.len(), self.pattern.nodes(), "entries of x");
         let view = self.view();
@@ -197,7 +193,6 @@ impl BlockMatrix {
     ///
     /// # Panics
     /// As [`multiply_rows`](Self::multiply_rows).
-    #[must_use]
     pub fn multiply_moduli_rows(&self, nodes: &[usize], x: &[[f64; 3]]) -> Vec<[f64; 3]> {
         assert_eq!(x.len(), self.pattern.nodes(), "entries of x");
         nodes.par_iter().with_min_len(1024).map(|&node| self.row_of_moduli(node, x)).collect()
@@ -215,7 +210,6 @@ impl BlockMatrix {
     }
 
     /// Its rows of some nodes, given in ascending order.
-    #[must_use]
     pub fn rows_of(&self, nodes: &[u32]) -> SavedRows {
         let of_node = |&node: &u32| {
             let start = self.pattern.start(node as usize);

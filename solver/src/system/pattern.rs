@@ -63,19 +63,16 @@ impl BlockPattern {
     }
 
     /// Number of nodes.
-    #[must_use]
     pub fn nodes(&self) -> usize {
         self.starts.len() - 1
     }
 
     /// Number of blocks.
-    #[must_use]
     pub fn blocks(&self) -> usize {
         self.columns.len()
     }
 
     /// The nodes that make a pair with `node`, ascending.
-    #[must_use]
     pub fn row(&self, node: usize) -> &[u32] {
         &self.columns[self.starts[node]..self.starts[node + 1]]
     }
@@ -92,7 +89,6 @@ impl BlockPattern {
 
     /// Index of the block of a pair.
     #[inline]
-    #[must_use]
     pub fn block(&self, row: usize, column: usize) -> Option<usize> {
         let place = self.row(row).binary_search(&u32::try_from(column).ok()?).ok()?;
         Some(self.starts[row] + place)

@@ -83,7 +83,6 @@ struct Structure {
 
 impl DirectSolver {
     /// `threads` at most, those of rayon's global pool; 0 and 1 are one. Small systems are solved by one.
-    #[must_use]
     pub fn new(threads: usize) -> Self {
         Self { threads, ..Self::default() }
     }

@@ -17,13 +17,11 @@ pub struct LineContact {
 
 impl LineContact {
     /// a = √(4 F R / (π E*)), length.
-    #[must_use]
     pub fn half_width(&self) -> f64 {
         (4.0 * self.force * self.radius / (PI * self.modulus)).sqrt()
     }
 
     /// p₀ = 2 F / (π a), force per area.
-    #[must_use]
     pub fn peak_pressure(&self) -> f64 {
         2.0 * self.force / (PI * self.half_width())
     }
@@ -42,13 +40,11 @@ pub struct PointContact {
 
 impl PointContact {
     /// a = (3 F R / (4 E*))^⅓, length.
-    #[must_use]
     pub fn half_width(&self) -> f64 {
         (3.0 * self.force * self.radius / (4.0 * self.modulus)).cbrt()
     }
 
     /// p₀ = 3 F / (2 π a²), force per area.
-    #[must_use]
     pub fn peak_pressure(&self) -> f64 {
         1.5 * self.force / (PI * self.half_width().powi(2))
     }
@@ -72,7 +68,6 @@ pub struct PressureProfile {
 
 impl PressureProfile {
     /// Pressures of the slaves, whose interfaces carry areas; `distance` of a position at the start.
-    #[must_use]
     pub fn of(snapshot: &Snapshot<'_>, distance: impl Fn([f64; 3]) -> f64) -> Self {
         let pressed = snapshot.slaves().filter(|slave| slave.force > 0.0);
         let mut nodes: Vec<NodalPressure> = pressed
@@ -86,7 +81,6 @@ impl PressureProfile {
     }
 
     /// The largest pressure of any node; 0 without contact.
-    #[must_use]
     pub fn largest(&self) -> f64 {
         self.nodes.iter().map(|node| node.pressure).fold(0.0, f64::max)
     }
@@ -94,7 +88,6 @@ impl PressureProfile {
     /// Peak p₀ and half width a of p² = p₀² (1 − x²/a²), the form that Hertz' pressure has in both cases, by least squares over the nodes
     /// with at least half of the largest pressure: the outer ones lie on elements that touch only in part. `None`: fewer than three
     /// such nodes, or they lie on no ellipse.
-    #[must_use]
     pub fn ellipse(&self) -> Option<[f64; 2]> {
         let limit = 0.5 * self.largest();
         let points: Vec<[f64; 2]> = self

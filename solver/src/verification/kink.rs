@@ -2,7 +2,6 @@
 
 /// The largest change of slope of a curve through points of time and value, from one increment to the next: what the value misses the
 /// straight line by, over the largest value. Times ascend. 0 for fewer than three points, or if all values are 0.
-#[must_use]
 pub fn largest_kink(curve: &[[f64; 2]]) -> f64 {
     let largest = curve.iter().map(|[_, value]| value.abs()).fold(0.0, f64::max);
     if largest == 0.0 {

@@ -21,13 +21,11 @@ pub struct PartialSlip {
 
 impl PartialSlip {
     /// c = a √(1 − Q/(μ P)), length.
-    #[must_use]
     pub fn half_width(&self) -> f64 {
         self.line.half_width() * (1.0 - self.push / (self.coefficient * self.line.force)).sqrt()
     }
 
     /// q = μ p₀/a (√(a² − x²) − √(c² − x²)) at a distance from the middle, force per area; roots of negative numbers are 0.
-    #[must_use]
     pub fn traction(&self, x: f64) -> f64 {
         let (a, c) = (self.line.half_width(), self.half_width());
         let arc = |half: f64| (half * half - x * x).max(0.0).sqrt();
@@ -35,7 +33,6 @@ impl PartialSlip {
     }
 
     /// The traction in the mean over the hat that is 1 at the middle one of three ascending places and 0 at the others, force per area.
-    #[must_use]
     pub fn mean_traction(&self, [left, place, right]: [f64; 3]) -> f64 {
         let (a, c) = (self.line.half_width(), self.half_width());
         let sums = |half: f64| {
@@ -82,7 +79,6 @@ pub struct TractionProfile {
 
 impl TractionProfile {
     /// The tractions along an axis, 0 to 2, of a run with one interface.
-    #[must_use]
     pub fn of(snapshot: &Snapshot<'_>, axis: usize) -> Self {
         let positions = snapshot.problem.start_positions();
         let interactions = snapshot.problem.contacts().interactions();
@@ -122,13 +118,11 @@ impl TractionProfile {
     /// Deviation from the closed form at the nodes over it, in the mean square. A nodal traction is a mean over the faces around the node:
     /// beside the ends of contact and of what sticks, where the closed form falls like a root, the mean is another value than that at the
     /// node by the root of the faces' size, on a part as wide as they are. So this falls in proportion to the size at best.
-    #[must_use]
     pub fn deviation(&self, exact: &PartialSlip) -> f64 {
         self.deviation_from(|node| exact.traction(node.place))
     }
 
     /// Deviation from the closed form's mean over the faces around each node, which is what nodal tractions stand for.
-    #[must_use]
     pub fn mean_deviation(&self, exact: &PartialSlip) -> f64 {
         self.deviation_from(|node| {
             let [left, right] = node.beside;
@@ -144,7 +138,6 @@ impl TractionProfile {
     }
 
     /// The largest place that sticks and the smallest that slides, length.
-    #[must_use]
     pub fn border(&self) -> [f64; 2] {
         let places = |sticks: bool| {
             self.nodes.iter().filter(move |node| node.sticks == sticks).map(|node| node.place.abs())
@@ -154,7 +147,6 @@ impl TractionProfile {
 
     /// c by the tractions of the nodes within 0.9 of the closed form's c: where contacts stick, 1 − q/(μ p) = √(c² − x²)/√(a² − x²).
     /// NaN without such nodes.
-    #[must_use]
     pub fn half_width(&self, exact: &PartialSlip) -> f64 {
         let (a, c) = (exact.line.half_width(), exact.half_width());
         let squares = self.nodes.iter().filter(|node| node.place.abs() < 0.9 * c).map(|node| {

@@ -13,7 +13,6 @@ pub struct Oscillation {
 
 impl Oscillation {
     /// That of some values; `None` without any.
-    #[must_use]
     pub fn of(values: impl IntoIterator<Item = f64>) -> Option<Self> {
         let (mut sum, mut count) = (0.0, 0.0);
         let (mut smallest, mut largest) = (f64::INFINITY, f64::NEG_INFINITY);
@@ -32,13 +31,11 @@ impl Oscillation {
     }
 
     /// The largest less the smallest value.
-    #[must_use]
     pub fn peak_to_peak(&self) -> f64 {
         self.largest - self.smallest
     }
 
     /// The largest magnitude.
-    #[must_use]
     pub fn amplitude(&self) -> f64 {
         self.largest.abs().max(self.smallest.abs())
     }

@@ -25,7 +25,6 @@ impl Snapshot<'_> {
     /// Moment about a point of the forces that the support of this name exerts, force times length: Σ (x − point) × f. The name is that of
     /// [`Support`](crate::model::Support): the node sets of a `[[boundary]]`, with `+` between them. `None`: there is no such
     /// support.
-    #[must_use]
     pub fn moment(&self, support: &str, point: [f64; 3]) -> Option<[f64; 3]> {
         let supports = self.problem.supports();
         let group = supports.groups().iter().position(|group| group.name == support)?;
@@ -39,7 +38,6 @@ impl Snapshot<'_> {
     }
 
     /// Sum of the contact forces on the slaves of all interfaces.
-    #[must_use]
     pub fn contact_force(&self) -> [f64; 3] {
         let mut sum = [0.0; 3];
         for Resultant { force, .. } in &self.record.contacts {

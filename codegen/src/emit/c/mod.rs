@@ -60,7 +60,6 @@ const TWO_VARIABLES: &str = include_str!("two_variables.h");
 const NODE_ROWS: &str = include_str!("node_rows.h");
 
 /// The kernels of elements as a C header.
-#[must_use]
 pub fn emit_c(elements: &[ElementKernels]) -> String {
     let mut text = HEADER.to_owned();
     let iterations: Vec<Iteration> = elements

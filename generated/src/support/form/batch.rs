@@ -32,7 +32,6 @@ pub fn keep_own<T: Lane>(form: &mut [T], rows: FormRows, node: usize, own: [T; 6
 ///
 /// Returns 0 or, if an entry is not finite, NaN.
 #[inline(always)]
-#[must_use]
 pub fn multiply<T: Vector>(form: &mut [T], rows: FormRows, target: &mut impl Blocks<T>) -> T {
     let mut hessian = Unfinished::new(form, rows);
     let of_b = hessian.nodes;
@@ -45,7 +44,6 @@ pub fn multiply<T: Vector>(form: &mut [T], rows: FormRows, target: &mut impl Blo
 ///
 /// Returns of each 0 or, if an entry is not finite, NaN.
 #[inline(always)]
-#[must_use]
 pub fn multiply_pair<T: Vector>(
     [form, other]: [&mut [T]; 2],
     [rows, other_rows]: [FormRows; 2],
@@ -182,7 +180,6 @@ impl<'a, T: Vector> Unfinished<'a, T> {
 
 /// Writes the factors. Returns 0 or, if one is not finite, NaN.
 #[inline(always)]
-#[must_use]
 pub fn write_factors<T: Lane>(form: &[T], rows: FormRows, target: &mut [T]) -> T {
     let (size, own) = (node_length(rows), 3 * rows.rows);
     let mut not_finite = T::ZERO;
@@ -210,7 +207,6 @@ pub fn write_factors<T: Lane>(form: &[T], rows: FormRows, target: &mut [T]) -> T
 /// # Panics
 /// If a slice is too short, or there are more than 64 rows.
 #[inline(always)]
-#[must_use]
 pub fn write_slave_rows<T: Lane>(form: &[T], rows: FormRows, target: &mut [T]) -> T {
     let (size, own, freedoms) = (node_length(rows), 3 * rows.rows, 3 * (rows.count + 1));
     let mut negative_sums = [[T::ZERO; 3]; MOST_ROWS];

@@ -55,7 +55,6 @@ pub fn keep_last_own<T: Vector>(form: &mut [f64], rows: FormRows, own: [T::Scala
 
 /// Returns 0 or, if an entry is not finite, NaN.
 #[inline(always)]
-#[must_use]
 pub fn multiply<T: Vector>(form: &mut [f64], rows: FormRows, target: &mut [f64]) -> f64 {
     const { assert!(T::WIDTH <= 4) };
     let mut not_finite = T::ZERO;
@@ -123,7 +122,6 @@ fn complete<T: Vector>(form: &mut [f64], rows: FormRows) {
 /// # Panics
 /// If a slice is too short.
 #[inline(always)]
-#[must_use]
 pub fn write_slave_rows<T: Vector>(form: &mut [f64], rows: FormRows, target: &mut [f64]) -> f64 {
     let (stride, freedoms) = (stride::<T>(rows), 3 * (rows.count + 1));
     let (form, own) = form.split_at_mut(stride * rows.rows);
@@ -184,7 +182,6 @@ fn negative_sum<T: Vector>(nodes: &[f64]) -> [f64; 3] {
 
 /// Writes the factors. Returns 0 or, if one is not finite, NaN.
 #[inline(always)]
-#[must_use]
 pub fn write_factors<T: Vector>(form: &[f64], rows: FormRows, target: &mut [f64]) -> f64 {
     let stride = stride::<T>(rows);
     let (form, own) = form.split_at(stride * rows.rows);

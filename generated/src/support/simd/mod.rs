@@ -33,11 +33,9 @@ pub trait Vector: Lane + sealed::Sealed {
     type Scalar: Vector;
 
     /// The sum of the lanes.
-    #[must_use]
     fn sum(self) -> f64;
 
     /// The sum of the lanes of each.
-    #[must_use]
     #[inline(always)]
     fn sums(vectors: [Self; 4]) -> [f64; 4] {
         let [a, b, c, d] = vectors;
@@ -45,7 +43,6 @@ pub trait Vector: Lane + sealed::Sealed {
     }
 
     /// The vectors as numbers.
-    #[must_use]
     #[inline(always)]
     fn numbers(vectors: &mut [Self]) -> &mut [f64] {
         const { assert!(size_of::<Self>() == 8 * Self::WIDTH && align_of::<Self>() >= align_of::<f64>()) };
@@ -58,7 +55,6 @@ pub trait Vector: Lane + sealed::Sealed {
     ///
     /// # Panics
     /// If there are too few.
-    #[must_use]
     #[inline(always)]
     fn load(source: &[f64], place: usize) -> Self {
         let numbers = &source[place..place + Self::WIDTH];
@@ -155,7 +151,6 @@ impl Isa {
     /// optimisation, one number at a time: its kernels are compiled for nothing else there. Kernels of a crate of one's own may be
     /// compiled otherwise than this one:
     /// [`KernelSet::best_isa`](super::KernelSet::best_isa).
-    #[must_use]
     pub fn best() -> Self {
         if cfg!(unoptimised) {
             return Self::SCALAR;
@@ -177,13 +172,11 @@ impl Isa {
     }
 
     /// The one of this name, if it is [available](Self::available).
-    #[must_use]
     pub fn named(name: &str) -> Option<Self> {
         Self::available().find(|isa| isa.name() == name)
     }
 
     /// `scalar`, `avx2`, `avx512` or `neon`.
-    #[must_use]
     pub const fn name(self) -> &'static str {
         match self.0 {
             Kind::Scalar => "scalar",
@@ -197,7 +190,6 @@ impl Isa {
     }
 
     /// Numbers in a vector.
-    #[must_use]
     pub const fn width(self) -> usize {
         match self.0 {
             Kind::Scalar => 1,
@@ -288,13 +280,11 @@ impl Block {
     pub const ZERO: Self = Self([0.0; 8]);
 
     /// Blocks that hold `count` vectors.
-    #[must_use]
     pub const fn count<T: Lane>(count: usize) -> usize {
         (count * T::WIDTH).div_ceil(8)
     }
 
     /// The blocks as vectors.
-    #[must_use]
     pub fn vectors<T: Vector>(blocks: &mut [Self]) -> &mut [T] {
         const { assert!(size_of::<T>() == 8 * T::WIDTH && align_of::<T>() <= 64 && 8 % T::WIDTH == 0) };
         let count = blocks.len() * (8 / T::WIDTH);

@@ -299,19 +299,16 @@ impl CsrMap {
     }
 
     /// Number of rows and columns, the equations of the [`DofMap`].
-    #[must_use]
     pub const fn equations(&self) -> usize {
         self.equations
     }
 
     /// Number of values, also of those that nothing is added to.
-    #[must_use]
     pub const fn entries(&self) -> usize {
         self.entries
     }
 
     /// Bytes it occupies.
-    #[must_use]
     pub fn memory(&self) -> usize {
         self.element_nodes.memory()
             + self.runs.memory()
@@ -323,7 +320,6 @@ impl CsrMap {
     }
 
     /// Whether elements are those of the map: as many, with the same nodes in the same order.
-    #[must_use]
     pub fn fits<E: Elements + ?Sized>(&self, elements: &E) -> bool {
         self.check_elements(elements).is_ok()
     }

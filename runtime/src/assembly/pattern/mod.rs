@@ -78,37 +78,31 @@ impl CsrPattern {
     }
 
     /// Number of rows and columns, the equations of the [`DofMap`](super::DofMap).
-    #[must_use]
     pub fn equations(&self) -> usize {
         self.row_offsets.len() - 1
     }
 
     /// Number of entries.
-    #[must_use]
     pub fn entries(&self) -> usize {
         self.columns.len()
     }
 
     /// Where each row begins among the entries, and after the last row, where it ends: equations + 1 numbers.
-    #[must_use]
     pub fn row_offsets(&self) -> &[usize] {
         &self.row_offsets
     }
 
     /// Column of each entry, ascending within a row.
-    #[must_use]
     pub fn columns(&self) -> &[u32] {
         &self.columns
     }
 
     /// What fills the values.
-    #[must_use]
     pub const fn map(&self) -> &CsrMap {
         &self.map
     }
 
     /// Which entry lies at (row, column), if there is one.
-    #[must_use]
     pub fn position(&self, row: usize, column: usize) -> Option<usize> {
         let (&first, &end) = (self.row_offsets.get(row)?, self.row_offsets.get(row + 1)?);
         let column = u32::try_from(column).ok()?;
@@ -116,13 +110,11 @@ impl CsrPattern {
     }
 
     /// Row offsets, columns and the map, to be kept apart from one another.
-    #[must_use]
     pub fn into_parts(self) -> (Vec<usize>, Vec<u32>, CsrMap) {
         (self.row_offsets, self.columns, self.map)
     }
 
     /// Bytes the pattern occupies with its map, without the values.
-    #[must_use]
     pub fn memory(&self) -> usize {
         size_of_val(self.row_offsets.as_slice()) + size_of_val(self.columns.as_slice()) + self.map.memory()
     }

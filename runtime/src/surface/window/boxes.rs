@@ -9,7 +9,6 @@ use crate::Point;
 /// longest first. A box for each group leaves out what lies between.
 ///
 /// Points that are not finite belong to no box.
-#[must_use]
 pub fn boxes_around(points: &[Point], reach: f64, most: usize) -> Vec<Box3> {
     let points: Vec<Point> = points.iter().copied().filter(|x| x.iter().all(|x| x.is_finite())).collect();
     if points.is_empty() || most == 0 {

@@ -42,7 +42,6 @@ pub enum WindowError {
 
 impl WindowError {
     /// Stable machine-readable code.
-    #[must_use]
     pub const fn code(&self) -> &'static str {
         match self {
             Self::Invalid { .. } => "invalid-window",

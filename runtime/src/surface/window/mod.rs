@@ -248,13 +248,11 @@ impl Window {
 
     /// Its boxes: everything that meets them is known, while no node of the whole surface has moved by more than the
     /// [skin](Self::skin) since the window was made.
-    #[must_use]
     pub fn boxes(&self) -> &[Box3] {
         &self.boxes
     }
 
     /// How far nodes of the surface may move before the window is to be made anew, length.
-    #[must_use]
     pub const fn skin(&self) -> f64 {
         self.skin
     }

@@ -28,7 +28,6 @@ const BOX: usize = 6;
 
 impl Window {
     /// How many integers and floating-point numbers [`to_numbers`](Self::to_numbers) gives.
-    #[must_use]
     pub fn count_numbers(&self) -> (usize, usize) {
         let lists = self.nodes.len() + self.sheet_nodes.len() + self.listed.len();
         let integers = HEADER + lists + AUXILIARY * self.auxiliary.len() + FACET * self.facets.len();
@@ -38,7 +37,6 @@ impl Window {
 
     /// The window as integers and floating-point numbers, from which [`from_numbers`](Self::from_numbers) makes the same one. About 90
     /// bytes for each node, 50 for each facet and 280 for each facet of the core.
-    #[must_use]
     pub fn to_numbers(&self) -> (Vec<i64>, Vec<f64>) {
         let Setup { weight, basis, feature_angle_degrees, planes, extents } = &self.setup;
         let weight = *weight as i64;

@@ -116,7 +116,6 @@ impl Shape {
     }
 
     /// Whether it is a surface without a body.
-    #[must_use]
     pub const fn is_rigid(&self) -> bool {
         !matches!(self, Self::Block(_) | Self::Pipe(_) | Self::Cylinder(_) | Self::Ball(_) | Self::Strip(_))
     }
@@ -135,7 +134,6 @@ pub enum Axis {
 
 impl Axis {
     /// Name in decks.
-    #[must_use]
     pub const fn name(self) -> &'static str {
         ["x", "y", "z"][self as usize]
     }
@@ -174,7 +172,6 @@ impl HalfSpace {
     ];
 
     /// Name in decks.
-    #[must_use]
     pub const fn name(self) -> &'static str {
         ["x-", "x+", "y-", "y+", "z-", "z+"][2 * self.axis as usize + self.positive as usize]
     }

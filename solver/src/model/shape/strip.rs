@@ -37,13 +37,11 @@ pub struct StripPiece {
 
 impl StripPiece {
     /// Straight on.
-    #[must_use]
     pub const fn straight(length: f64) -> Self {
         Self { length, degrees: 0.0, rise: 0.0 }
     }
 
     /// An arc of this radius of the centre line, to the left by positive degrees.
-    #[must_use]
     pub fn arc(radius: f64, degrees: f64) -> Self {
         Self { length: radius * degrees.abs().to_radians(), degrees, rise: 0.0 }
     }

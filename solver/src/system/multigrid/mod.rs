@@ -87,13 +87,11 @@ impl Multigrid {
     }
 
     /// Number of levels, the coarsest among them.
-    #[must_use]
     pub fn levels(&self) -> usize {
         self.coarse.len() + 2
     }
 
     /// Memory without the coarsest level's, bytes.
-    #[must_use]
     pub fn bytes(&self) -> usize {
         let coarse: usize = self.coarse.iter().map(|(matrix, level)| matrix.bytes() + level.bytes()).sum();
         self.fine.bytes() + coarse

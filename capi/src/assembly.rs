@@ -37,13 +37,11 @@ pub unsafe extern "C" fn dc_add_forces(
         let contacts = state.contacts()?;
         let active_count = wanted("active_count", active_count, 1, 1)?;
         let whole = border::written("forces", forces, equation_count);
-        // SAFETY: as the caller promises.
         unsafe { law::disjoint(law, [whole, active_count.span()])? };
         // SAFETY: as the caller promises; nothing overlaps.
         let (law, forces) = unsafe { (law::read(law)?, sums("forces", forces, equation_count)?) };
         let law = law.contact()?;
         let active = threads::run(|| add_forces(contacts, &law, &state.dofs, forces))??;
-        // SAFETY: as the caller promises.
         unsafe { active_count.write([active]) };
         Ok(())
     })
@@ -72,7 +70,6 @@ pub unsafe extern "C" fn dc_triplets(
         let triangle = choice::read(triangle)?;
         state.contacts()?;
         let count = target("count", count, 1)?;
-        // SAFETY: as the caller promises.
         let law = unsafe { law::read(law)? };
         let law = law.contact()?;
         let triplets = &mut state.triplets;
@@ -102,7 +99,6 @@ pub unsafe fn write(
         border::written("values", values, capacity),
         count.span(),
     ])?;
-    // SAFETY: as the caller promises.
     unsafe { count.write([length]) };
     if capacity == 0 {
         return Ok(());
@@ -110,7 +106,6 @@ pub unsafe fn write(
     let rows = wanted("rows", rows, capacity, length)?;
     let columns = wanted("columns", columns, capacity, length)?;
     let values = wanted("values", values, capacity, length)?;
-    // SAFETY: as the caller promises.
     unsafe {
         rows.write(triplets.rows().iter().map(|&row| row as i32));
         columns.write(triplets.columns().iter().map(|&column| column as i32));

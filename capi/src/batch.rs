@@ -46,7 +46,6 @@ pub unsafe extern "C" fn dc_gap_batch(
 ) -> dc_status {
     border::call(|| {
         let mode: Mode = choice::read(mode)?;
-        // SAFETY: as the caller promises.
         let element = unsafe { dc_element::read(element)? };
         let kind = element.kind()?;
         if element_count == 0 {

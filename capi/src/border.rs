@@ -221,7 +221,6 @@ impl<T: Plain> Target<T> {
 
     #[cfg(not(any(target_arch = "x86_64", target_arch = "aarch64")))]
     pub unsafe fn unspecified<'a>(self) -> &'a mut [T] {
-        // SAFETY: as the caller promises.
         unsafe { self.zeroed() }
     }
 
@@ -344,7 +343,6 @@ pub unsafe fn wanted_report<T: Versioned>(
     if report.is_null() {
         return Ok(None);
     }
-    // SAFETY: as the caller promises.
     let report = unsafe { sized_target(report)? };
     disjoint([read("positions", positions.as_ptr(), positions.len()), report.span()])?;
     Ok(Some(report))
@@ -359,10 +357,8 @@ pub unsafe fn hand_out<T>(
     handle: *mut *mut T,
     make: impl FnOnce() -> Result<usize, Failure>,
 ) -> Result<(), Failure> {
-    // SAFETY: as the caller promises.
     unsafe { target(name, handle, 1)?.write([std::ptr::null_mut()]) };
     let made = make()?;
-    // SAFETY: as the caller promises.
     unsafe { target(name, handle, 1)?.write([std::ptr::without_provenance_mut(made)]) };
     Ok(())
 }

@@ -72,7 +72,6 @@ pub unsafe extern "C" fn dc_contact_of(
         let k = state.slave(slave)?;
         let found = state.contacts()?.get(k);
         let contact = target("contact", contact, 1)?;
-        // SAFETY: as the caller promises.
         unsafe { contact.write([dc_contact::new(&found, state.interface.support_radius(k))]) };
         match found.outcome {
             Outcome::Contact { .. } => Ok(()),
@@ -126,7 +125,6 @@ pub unsafe extern "C" fn dc_derivatives(
             Outcome::None(reason) => Err(Failure::new(DC_NO_CONTACT, format!("{}: {reason}", reason.code()))),
         };
         let own = std::iter::once(found.slave as i32).chain(found.nodes.iter().map(|&node| node as i32));
-        // SAFETY: as the caller promises.
         unsafe {
             nodes.write(own);
             if result.is_ok() {
@@ -163,7 +161,6 @@ pub unsafe extern "C" fn dc_gaps(
         let outcomes = wanted("outcomes", outcomes, slave_count, slave_count)?;
         let gaps = wanted("gaps", gaps, slave_count, slave_count)?;
         disjoint([outcomes.span(), gaps.span()])?;
-        // SAFETY: as the caller promises.
         unsafe {
             outcomes.write(contacts.iter().map(|contact| outcome::of(&contact.outcome) as i32));
             gaps.write(contacts.iter().map(|contact| contact.point.gap));
@@ -195,7 +192,6 @@ pub unsafe extern "C" fn dc_forces(
             arrays.map(|(name, pointer)| wanted(name, pointer, slave_count, slave_count));
         let (penetrations, forces, pressures) = (penetrations?, forces?, pressures?);
         disjoint([penetrations.span(), forces.span(), pressures.span()])?;
-        // SAFETY: as the caller promises.
         unsafe {
             law::disjoint(law, [penetrations.span(), pressures.span()])?;
             law::disjoint_but_multipliers(law, forces.span())?;
@@ -224,7 +220,6 @@ pub unsafe extern "C" fn dc_forces(
             values.push([(-contact.point.gap).max(0.0), force, pressure]);
         }
         for (which, target) in [penetrations, forces, pressures].into_iter().enumerate() {
-            // SAFETY: as the caller promises.
             unsafe { target.write(values.iter().map(|values| values[which])) };
         }
         Ok(())
@@ -248,7 +243,6 @@ pub unsafe extern "C" fn dc_cutback(interface: *mut dc_interface, factor: *mut f
     call(interface, |state| {
         state.contacts()?;
         let factor = target("factor", factor, 1)?;
-        // SAFETY: as the caller promises.
         unsafe { factor.write([state.hint.factor(&state.interface)]) };
         Ok(())
     })

@@ -100,7 +100,6 @@ impl dc_element {
     /// As [`read_sized`].
     #[inline]
     pub unsafe fn read(element: *const Self) -> Result<Self, Failure> {
-        // SAFETY: as the caller promises.
         let element = unsafe { read_sized(element, || Self::DEFAULTS)? };
         reserved("dc_element", element.reserved)?;
         Ok(element)
@@ -194,7 +193,6 @@ pub unsafe extern "C" fn dc_gap(
             gradient.span(),
             hessian.span(),
         ])?;
-        // SAFETY: as the caller promises.
         let (element, slave, masters) = unsafe {
             (
                 dc_element::read(element)?,
@@ -209,7 +207,6 @@ pub unsafe extern "C" fn dc_gap(
         let found = element
             .with_nodes(&kind, slave, masters.as_chunks::<3>().0)
             .and_then(|element| Generated.gap_into(&element, mode, gradient, hessian));
-        // SAFETY: as the caller promises.
         unsafe { point.write([dc_point::new(found)]) };
         found.map(drop).map_err(Failure::from)
     })
@@ -247,7 +244,6 @@ pub unsafe extern "C" fn dc_element_system(
         let nodal_forces = wanted("nodal_forces", nodal_forces, nodal_forces_size, freedoms)?;
         let tangent = wanted("tangent", tangent, tangent_size, square)?;
         let packed = if hessian.is_null() { 0 } else { packed };
-        // SAFETY: as the caller promises.
         unsafe { law::disjoint(law, [force.span(), nodal_forces.span(), tangent.span()])? };
         disjoint([
             border::read("gradient", gradient, freedoms),
@@ -270,7 +266,6 @@ pub unsafe extern "C" fn dc_element_system(
         let (nodal_forces, tangent) = unsafe { (nodal_forces.unspecified(), tangent.unspecified()) };
         let contact = ContactView { gap, area, gradient, hessian, slip: None };
         let found = law.element_system(&contact, nodal_forces, tangent)?;
-        // SAFETY: as the caller promises.
         unsafe { force.write([found]) };
         Ok(())
     })

@@ -111,7 +111,6 @@ pub unsafe extern "C" fn dc_faces_create(
 ) -> dc_status {
     border::call(|| {
         let make = || {
-            // SAFETY: as the caller promises.
             let (positions, master, slave, options) = unsafe {
                 (
                     points(positions, node_count)?,
@@ -129,7 +128,6 @@ pub unsafe extern "C" fn dc_faces_create(
             })??;
             insert(interface, positions.len())
         };
-        // SAFETY: as the caller promises.
         unsafe { border::hand_out("faces", faces, make) }
     })
 }
@@ -152,7 +150,6 @@ pub unsafe extern "C" fn dc_faces_create_self_contact(
 ) -> dc_status {
     border::call(|| {
         let make = || {
-            // SAFETY: as the caller promises.
             let (positions, facets, options) = unsafe {
                 (
                     points(positions, node_count)?,
@@ -168,7 +165,6 @@ pub unsafe extern "C" fn dc_faces_create_self_contact(
             })??;
             insert(interface, positions.len())
         };
-        // SAFETY: as the caller promises.
         unsafe { border::hand_out("faces", faces, make) }
     })
 }
@@ -189,9 +185,8 @@ pub unsafe extern "C" fn dc_faces_counts(
     node_count: *mut usize,
     slave_count: *mut usize,
 ) -> dc_status {
-    call(faces, |state| {
-        // SAFETY: as the caller promises.
-        unsafe { mesh::write_counts(state.nodes, state.interface.slaves(), node_count, slave_count) }
+    call(faces, |state| unsafe {
+        mesh::write_counts(state.nodes, state.interface.slaves(), node_count, slave_count)
     })
 }
 
@@ -205,10 +200,7 @@ pub unsafe extern "C" fn dc_faces_slaves(
     slaves: *mut i32,
     slave_count: usize,
 ) -> dc_status {
-    call(faces, |state| {
-        // SAFETY: as the caller promises.
-        unsafe { mesh::write_slaves(state.interface.slaves(), slaves, slave_count) }
-    })
+    call(faces, |state| unsafe { mesh::write_slaves(state.interface.slaves(), slaves, slave_count) })
 }
 
 /// As dc_set_symmetry, for both surfaces, in the first configuration. The history of friction ends, unless the planes are the same: call
@@ -223,7 +215,6 @@ pub unsafe extern "C" fn dc_faces_set_symmetry(
     plane_count: usize,
 ) -> dc_status {
     call(faces, |state| {
-        // SAFETY: as the caller promises.
         let planes = unsafe { symmetry_planes(planes, plane_count)? };
         let interface = &mut state.interface;
         threads::run(|| interface.set_symmetry(&planes))??;
@@ -255,7 +246,6 @@ pub unsafe fn quadratic_faces<T: Plain + std::fmt::Display + TryInto<usize>>(
     }
     let too_many = || Failure::new(DC_BAD_SIZE, format!("bad-size: there cannot be {face_count} faces"));
     let count = face_count.checked_mul(nodes_per_face).ok_or_else(too_many)?;
-    // SAFETY: as the caller promises.
     let numbers = unsafe { input("faces", rows, count)? };
     let mut made = reserve("faces", face_count)?;
     for (k, row) in numbers.chunks(nodes_per_face).enumerate() {
@@ -285,7 +275,6 @@ pub unsafe extern "C" fn dc_flat_facets(
     facet_capacity: usize,
 ) -> dc_status {
     border::call(|| {
-        // SAFETY: as the caller promises.
         let faces = unsafe { quadratic_faces(quadratic, face_count, nodes_per_face)? };
         let row = |facet: Facet| match facet {
             Facet::Triangle([a, b, c]) => [a as i32, b as i32, c as i32, -1],
@@ -298,7 +287,6 @@ pub unsafe extern "C" fn dc_flat_facets(
             border::written("facets", facets, room),
         ])?;
         let facets = roomy("facets", facets, room, rows.len())?;
-        // SAFETY: as the caller promises.
         unsafe { facets.write(rows) };
         Ok(())
     })
@@ -318,7 +306,6 @@ pub unsafe extern "C" fn dc_faces_add_quadratic(
     nodes_per_face: usize,
 ) -> dc_status {
     call(faces, |state| {
-        // SAFETY: as the caller promises.
         let more = unsafe { quadratic_faces(quadratic, face_count, nodes_per_face)? };
         state.add_quadratic(more)
     })
@@ -336,7 +323,6 @@ pub unsafe extern "C" fn dc_faces_set_equations(
     equation_count: usize,
 ) -> dc_status {
     call(faces, |state| {
-        // SAFETY: as the caller promises.
         state.dofs = unsafe { equations_of(equations, (node_count, equation_count), state.nodes)? };
         Ok(())
     })
@@ -379,7 +365,6 @@ pub unsafe extern "C" fn dc_faces_refresh(
     node_count: usize,
     report: *mut dc_faces_report,
 ) -> dc_status {
-    // SAFETY: as the caller promises.
     unsafe { take(faces, positions, node_count, report, true) }
 }
 
@@ -394,7 +379,6 @@ pub unsafe extern "C" fn dc_faces_update(
     node_count: usize,
     report: *mut dc_faces_report,
 ) -> dc_status {
-    // SAFETY: as the caller promises.
     unsafe { take(faces, positions, node_count, report, false) }
 }
 
@@ -408,9 +392,7 @@ unsafe fn take(
     is_refresh: bool,
 ) -> dc_status {
     call(faces, |state| {
-        // SAFETY: as the caller promises.
         let positions = unsafe { points(positions, node_count)? };
-        // SAFETY: as the caller promises.
         let report = unsafe { wanted_report(report, positions)? };
         let interface = &mut state.interface;
         let FaceReport { points, paired, faces, grown } = threads::run(|| {
@@ -419,7 +401,6 @@ unsafe fn take(
         state.evaluated = false;
         let count = |x: usize| i32::try_from(x).unwrap_or(i32::MAX);
         if let Some(report) = report {
-            // SAFETY: as the caller promises.
             unsafe {
                 report.write(&dc_faces_report {
                     size: size_of::<dc_faces_report>(),
@@ -448,7 +429,6 @@ unsafe fn take(
 pub unsafe extern "C" fn dc_faces_evaluate(faces: *mut dc_faces, law: *const dc_law, mode: i32) -> dc_status {
     call(faces, |state| {
         let mode = choice::read(mode)?;
-        // SAFETY: as the caller promises.
         let law = unsafe { law::read(law)? };
         let law = law.contact()?;
         let interface = &mut state.interface;
@@ -490,7 +470,6 @@ pub unsafe extern "C" fn dc_faces_contacts(
         let normals = wanted("normals", normals, three, three)?;
         disjoint([outcomes.span(), gaps.span(), pressures.span(), areas.span(), normals.span()])?;
         let gap = |node: &NodeContact| if node.outcome.is_contact() { node.gap } else { 0.0 };
-        // SAFETY: as the caller promises.
         unsafe {
             outcomes.write(nodes.iter().map(|node| outcome::of(&node.outcome) as i32));
             gaps.write(nodes.iter().map(gap));

@@ -33,7 +33,6 @@ pub unsafe extern "C" fn dc_faces_add_forces(
         // SAFETY: as the caller promises; nothing overlaps.
         let forces = unsafe { sums("forces", forces, equation_count)? };
         let active = threads::run(|| contacts.add_forces(&state.dofs, forces))??;
-        // SAFETY: as the caller promises.
         unsafe {
             active_count.write([active]);
             missed_count.write([contacts.missed()]);
@@ -60,7 +59,6 @@ pub unsafe extern "C" fn dc_faces_product(
     call(faces, |state| {
         let tangent = choice::read(tangent)?;
         let contacts = state.contacts()?;
-        // SAFETY: as the caller promises.
         let (v, product) = unsafe { factors(v, product, equation_count)? };
         threads::run(|| contacts.add_product(tangent, &state.dofs, v, product))??;
         Ok(())
@@ -92,7 +90,6 @@ pub unsafe extern "C" fn dc_faces_triplets(
         let count = target("count", count, 1)?;
         let triplets = threads::run(|| contacts.triplets(tangent, &state.dofs))??;
         index("equations", state.dofs.equations())?;
-        // SAFETY: as the caller promises.
         unsafe { write(&triplets, (rows, columns, values), capacity, count) }
     })
 }
@@ -130,7 +127,6 @@ pub unsafe extern "C" fn dc_faces_cliques(
             *end += clique.len() as i32;
             Some(*end)
         });
-        // SAFETY: as the caller promises.
         unsafe {
             offsets.write(std::iter::once(0).chain(ends));
             nodes.write(cliques().flatten().map(|&node| node as i32));

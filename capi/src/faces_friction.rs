@@ -29,7 +29,6 @@ pub unsafe extern "C" fn dc_faces_friction(
         let tractions = wanted("tractions", tractions, three, three)?;
         let slips = wanted("slips", slips, slave_count, slave_count)?;
         disjoint([states.span(), tractions.span(), slips.span()])?;
-        // SAFETY: as the caller promises.
         unsafe {
             states.write(nodes.iter().map(|node| node.friction_state.number()));
             tractions.write(nodes.iter().flat_map(|node| node.friction));
@@ -60,7 +59,6 @@ pub unsafe extern "C" fn dc_faces_accept(
         let slave_count = state.interface.slaves().len();
         let contacts = &mut state.interface;
         let accepted = Accepted { stuck_count, sliding_count, unanchored_count, dropped_count, dissipated };
-        // SAFETY: as the caller promises.
         unsafe { accepted.write(law, slave_count, |law| contacts.accept(law))? };
         state.evaluated &= !state.interface.has_history();
         Ok(())
@@ -80,7 +78,6 @@ pub unsafe extern "C" fn dc_faces_augment(
 ) -> dc_status {
     call(faces, |state| {
         state.expect_slaves(slave_count)?;
-        // SAFETY: as the caller promises.
         let (law, moves) = unsafe { (law::read(law)?, moves_of(moves, slave_count)?) };
         let law = law.contact()?;
         let contacts = &mut state.interface;
@@ -103,7 +100,6 @@ pub unsafe extern "C" fn dc_faces_slip_errors(
 ) -> dc_status {
     call(faces, |state| {
         state.expect_slaves(slave_count)?;
-        // SAFETY: as the caller promises.
         unsafe { write_slip_errors(law, errors, slave_count, |law| state.interface.slip_errors(law)) }
     })
 }
@@ -129,10 +125,7 @@ pub unsafe extern "C" fn dc_faces_history(
     capacity: usize,
     count: *mut usize,
 ) -> dc_status {
-    call(faces, |state| {
-        // SAFETY: as the caller promises.
-        unsafe { write_history(state.interface.history(), history, capacity, count) }
-    })
+    call(faces, |state| unsafe { write_history(state.interface.history(), history, capacity, count) })
 }
 
 /// As dc_augmented_history.
@@ -146,9 +139,8 @@ pub unsafe extern "C" fn dc_faces_augmented_history(
     capacity: usize,
     count: *mut usize,
 ) -> dc_status {
-    call(faces, |state| {
-        // SAFETY: as the caller promises.
-        unsafe { write_history(state.interface.augmented_history(), history, capacity, count) }
+    call(faces, |state| unsafe {
+        write_history(state.interface.augmented_history(), history, capacity, count)
     })
 }
 
@@ -164,7 +156,6 @@ pub unsafe extern "C" fn dc_faces_set_history(
     count: usize,
 ) -> dc_status {
     call(faces, |state| {
-        // SAFETY: as the caller promises.
         let numbers = unsafe { input("history", history, count)? };
         state.interface.set_history(numbers)?;
         state.evaluated = false;

@@ -51,7 +51,6 @@ pub unsafe extern "C" fn dc_faces_points(
             tractions.span(),
             point_count.span(),
         ])?;
-        // SAFETY: as the caller promises.
         unsafe {
             faces_of_points.write(points.iter().map(|point| point.face as i32));
             areas.write(points.iter().map(|point| point.area));

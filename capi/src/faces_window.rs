@@ -39,7 +39,6 @@ pub unsafe extern "C" fn dc_faces_create_in_window(
 ) -> dc_status {
     border::call(|| {
         let make = || {
-            // SAFETY: as the caller promises.
             let (positions, options) =
                 unsafe { (points(positions, node_count)?, dc_options::read(options)?) };
             check_nodes(positions.len())?;
@@ -55,7 +54,6 @@ pub unsafe extern "C" fn dc_faces_create_in_window(
             })?;
             insert(interface, positions.len())
         };
-        // SAFETY: as the caller promises.
         unsafe { border::hand_out("faces", faces, make) }
     })
 }
@@ -75,7 +73,6 @@ pub unsafe extern "C" fn dc_faces_add_quadratic_by_number(
     nodes_per_face: usize,
 ) -> dc_status {
     call(faces, |state| {
-        // SAFETY: as the caller promises.
         let more = unsafe { quadratic_faces(quadratic, face_count, nodes_per_face)? };
         let Some(place) = usize::try_from(side).ok().filter(|&side| side < 2) else {
             let message = format!("invalid-option: side has to be 0 or 1, not {side}");

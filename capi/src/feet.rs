@@ -44,7 +44,6 @@ pub unsafe extern "C" fn dc_feet(
         let foot = wanted("foot", foot, foot_size, rows)?;
         let normal = wanted("normal", normal, normal_size, rows)?;
         disjoint([outcomes.span(), weights.span(), foot.span(), normal.span()])?;
-        // SAFETY: as the caller promises.
         unsafe {
             outcomes.write(feet.iter().map(|foot| outcome::of(&foot.outcome) as i32));
             weights.write(feet.iter().flat_map(|foot| padded(foot.weights, foot.nodes.len())));

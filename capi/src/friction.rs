@@ -42,14 +42,12 @@ impl Accepted {
             dropped_count.span(),
             dissipated.span(),
         ];
-        // SAFETY: as the caller promises.
         unsafe { law::disjoint(law, counts)? };
         // SAFETY: as the caller promises; nothing overlaps.
         let law = unsafe { law::read(law)? };
         let law = law.contact()?;
         law.validate(slave_count)?;
         let report = threads::run(|| accept(&law))??;
-        // SAFETY: as the caller promises.
         unsafe {
             stuck_count.write([report.stuck]);
             sliding_count.write([report.sliding]);
@@ -73,10 +71,8 @@ pub unsafe fn write_history(
 ) -> Result<(), Failure> {
     let count = target("count", count, 1)?;
     disjoint([border::written("history", history, capacity), count.span()])?;
-    // SAFETY: as the caller promises.
     unsafe { count.write([numbers.len()]) };
     let history = wanted("history", history, capacity, numbers.len())?;
-    // SAFETY: as the caller promises.
     unsafe { history.write(numbers) };
     Ok(())
 }
@@ -89,7 +85,6 @@ pub unsafe fn moves_of<'a>(
     moves: *const i32,
     slave_count: usize,
 ) -> Result<impl Fn(usize) -> bool + Sync + 'a, Failure> {
-    // SAFETY: as the caller promises.
     let moves = if moves.is_null() { None } else { Some(unsafe { input("moves", moves, slave_count)? }) };
     for &flag in moves.unwrap_or_default() {
         choice::flag("moves", flag)?;
@@ -108,14 +103,12 @@ pub unsafe fn write_slip_errors(
     find: impl FnOnce(&ContactLaw<'_>) -> Result<Vec<f64>, InterfaceError> + Send,
 ) -> Result<(), Failure> {
     let errors = target("errors", errors, slave_count)?;
-    // SAFETY: as the caller promises.
     let law = unsafe {
         law::disjoint(law, [errors.span()])?;
         law::read(law)?
     };
     let law = law.contact()?;
     let found = threads::run(|| find(&law))??;
-    // SAFETY: as the caller promises.
     unsafe { errors.write(found) };
     Ok(())
 }
@@ -140,7 +133,6 @@ pub unsafe extern "C" fn dc_augment(
 ) -> dc_status {
     call(interface, |state| {
         state.expect_slaves(slave_count)?;
-        // SAFETY: as the caller promises.
         let (law, moves) = unsafe { (law::read(law)?, moves_of(moves, slave_count)?) };
         let law = law.contact()?;
         let contacts = &mut state.interface;
@@ -166,7 +158,6 @@ pub unsafe extern "C" fn dc_slip_errors(
 ) -> dc_status {
     call(interface, |state| {
         state.expect_slaves(slave_count)?;
-        // SAFETY: as the caller promises.
         unsafe { write_slip_errors(law, errors, slave_count, |law| state.interface.slip_errors(law)) }
     })
 }
@@ -213,7 +204,6 @@ pub unsafe extern "C" fn dc_accept(
         let slave_count = state.interface.slaves().len();
         let contacts = &mut state.interface;
         let accepted = Accepted { stuck_count, sliding_count, unanchored_count, dropped_count, dissipated };
-        // SAFETY: as the caller promises.
         unsafe { accepted.write(law, slave_count, |law| contacts.accept(law))? };
         if state.interface.has_history() {
             state.end_evaluation();
@@ -248,14 +238,12 @@ pub unsafe extern "C" fn dc_friction(
         let three = slave_count.saturating_mul(3);
         let tractions = wanted("tractions", tractions, three, three)?;
         let slips = wanted("slips", slips, slave_count, slave_count)?;
-        // SAFETY: as the caller promises.
         let law = unsafe {
             law::disjoint(law, [states.span(), tractions.span(), slips.span()])?;
             law::read(law)?
         };
         let law = law.contact()?;
         let found = threads::run(|| slave_friction(contacts, &law))??;
-        // SAFETY: as the caller promises.
         unsafe {
             states.write(found.iter().map(|slave| slave.state.number()));
             tractions.write(found.iter().flat_map(|slave| slave.traction));
@@ -277,10 +265,7 @@ pub unsafe extern "C" fn dc_history(
     capacity: usize,
     count: *mut usize,
 ) -> dc_status {
-    call(interface, |state| {
-        // SAFETY: as the caller promises.
-        unsafe { write_history(state.interface.history(), history, capacity, count) }
-    })
+    call(interface, |state| unsafe { write_history(state.interface.history(), history, capacity, count) })
 }
 
 /// As dc_history, of what friction is measured from at the moment: with the rounds of dc_augment since the last accepted step. Another
@@ -295,9 +280,8 @@ pub unsafe extern "C" fn dc_augmented_history(
     capacity: usize,
     count: *mut usize,
 ) -> dc_status {
-    call(interface, |state| {
-        // SAFETY: as the caller promises.
-        unsafe { write_history(state.interface.augmented_history(), history, capacity, count) }
+    call(interface, |state| unsafe {
+        write_history(state.interface.augmented_history(), history, capacity, count)
     })
 }
 
@@ -313,7 +297,6 @@ pub unsafe extern "C" fn dc_set_history(
     count: usize,
 ) -> dc_status {
     call(interface, |state| {
-        // SAFETY: as the caller promises.
         let numbers = unsafe { input("history", history, count)? };
         state.interface.set_history(numbers)?;
         state.end_evaluation();

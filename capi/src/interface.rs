@@ -119,7 +119,6 @@ pub unsafe extern "C" fn dc_create(
 ) -> dc_status {
     border::call(|| {
         let make = || {
-            // SAFETY: as the caller promises.
             let (positions, master, slaves, areas, options) = unsafe {
                 (
                     points(positions, node_count)?,
@@ -132,7 +131,6 @@ pub unsafe extern "C" fn dc_create(
             let state = threads::run(|| create(positions, master, slaves, areas, &options))??;
             INTERFACES.insert(state)
         };
-        // SAFETY: as the caller promises.
         unsafe { border::hand_out("interface", interface, make) }
     })
 }
@@ -172,7 +170,6 @@ pub unsafe extern "C" fn dc_create_self_contact(
 ) -> dc_status {
     border::call(|| {
         let make = || {
-            // SAFETY: as the caller promises.
             let (positions, facets, options) = unsafe {
                 (
                     points(positions, node_count)?,
@@ -183,7 +180,6 @@ pub unsafe extern "C" fn dc_create_self_contact(
             let state = threads::run(|| create_self_contact(positions, facets, &options))??;
             INTERFACES.insert(state)
         };
-        // SAFETY: as the caller promises.
         unsafe { border::hand_out("interface", interface, make) }
     })
 }
@@ -213,9 +209,8 @@ pub unsafe extern "C" fn dc_counts(
     node_count: *mut usize,
     slave_count: *mut usize,
 ) -> dc_status {
-    call(interface, |state| {
-        // SAFETY: as the caller promises.
-        unsafe { mesh::write_counts(state.nodes, state.interface.slaves(), node_count, slave_count) }
+    call(interface, |state| unsafe {
+        mesh::write_counts(state.nodes, state.interface.slaves(), node_count, slave_count)
     })
 }
 
@@ -229,10 +224,7 @@ pub unsafe extern "C" fn dc_slaves(
     slaves: *mut i32,
     slave_count: usize,
 ) -> dc_status {
-    call(interface, |state| {
-        // SAFETY: as the caller promises.
-        unsafe { mesh::write_slaves(state.interface.slaves(), slaves, slave_count) }
-    })
+    call(interface, |state| unsafe { mesh::write_slaves(state.interface.slaves(), slaves, slave_count) })
 }
 
 /// Makes these planes of symmetry, `plane_count` of them with 6 numbers each: x, y, z of a point of the plane, then of its unit normal
@@ -253,7 +245,6 @@ pub unsafe extern "C" fn dc_set_symmetry(
     plane_count: usize,
 ) -> dc_status {
     call(interface, |state| {
-        // SAFETY: as the caller promises.
         let planes = unsafe { symmetry_planes(planes, plane_count)? };
         let interface = &mut state.interface;
         threads::run(|| interface.set_symmetry(&planes))??;
@@ -273,7 +264,6 @@ pub unsafe extern "C" fn dc_update(
     node_count: usize,
 ) -> dc_status {
     call(interface, |state| {
-        // SAFETY: as the caller promises.
         state.interface.update(unsafe { points(positions, node_count)? })?;
         state.evaluated = false;
         Ok(())
@@ -383,7 +373,6 @@ pub unsafe extern "C" fn dc_follow(
     rebuilt: *mut i32,
 ) -> dc_status {
     call(interface, |state| {
-        // SAFETY: as the caller promises.
         let positions = unsafe { points(positions, node_count)? };
         let rebuilt = wanted("rebuilt", rebuilt, 1, 1)?;
         disjoint([border::read("positions", positions.as_ptr(), positions.len()), rebuilt.span()])?;
@@ -395,7 +384,6 @@ pub unsafe extern "C" fn dc_follow(
             threads::run(|| interface.follow(positions))??
         };
         state.evaluated = false;
-        // SAFETY: as the caller promises.
         unsafe { rebuilt.write([i32::from(was_rebuilt)]) };
         if state.frozen { Err(frozen()) } else { Ok(()) }
     })
@@ -424,9 +412,7 @@ pub unsafe extern "C" fn dc_refresh(
     report: *mut dc_report,
 ) -> dc_status {
     call(interface, |state| {
-        // SAFETY: as the caller promises.
         let positions = unsafe { points(positions, node_count)? };
-        // SAFETY: as the caller promises.
         let report = unsafe { wanted_report(report, positions)? };
         let interface = &mut state.interface;
         let result = if state.frozen {
@@ -437,7 +423,6 @@ pub unsafe extern "C" fn dc_refresh(
         };
         state.evaluated = false;
         if let Some(report) = report {
-            // SAFETY: as the caller promises.
             unsafe { report.write(&dc_report::new(&result)) };
         }
         if state.frozen { Err(frozen()) } else { Ok(()) }
@@ -497,7 +482,6 @@ pub unsafe extern "C" fn dc_set_equations(
     equation_count: usize,
 ) -> dc_status {
     call(interface, |state| {
-        // SAFETY: as the caller promises.
         let dofs = unsafe { equations_of(equations, (node_count, equation_count), state.nodes)? };
         state.dofs = Arc::new(dofs);
         Ok(())

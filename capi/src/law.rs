@@ -179,7 +179,6 @@ impl dc_law {
     /// # Safety
     /// As [`read`].
     unsafe fn copy(law: *const Self) -> Result<Self, Failure> {
-        // SAFETY: as the caller promises.
         let law = unsafe { read_sized(law, || Self::NONE)? };
         reserved("dc_law", law.reserved)?;
         Ok(law)
@@ -254,7 +253,6 @@ impl dc_law {
 /// # Safety
 /// As [`read`].
 pub unsafe fn disjoint<const N: usize>(law: *const dc_law, spans: [Span; N]) -> Result<(), Failure> {
-    // SAFETY: as the caller promises.
     let arrays = unsafe { dc_law::copy(law)? }.arrays()?;
     border::disjoint(spans)?;
     spans.iter().try_for_each(|&span| arrays.iter().try_for_each(|&array| border::disjoint([array, span])))
@@ -265,7 +263,6 @@ pub unsafe fn disjoint<const N: usize>(law: *const dc_law, spans: [Span; N]) -> 
 /// # Safety
 /// As [`read`].
 pub unsafe fn disjoint_but_multipliers(law: *const dc_law, span: Span) -> Result<(), Failure> {
-    // SAFETY: as the caller promises.
     let [multipliers, tables @ ..] = unsafe { dc_law::copy(law)? }.arrays()?;
     if !multipliers.is_same(&span) {
         border::disjoint([multipliers, span])?;
@@ -292,10 +289,8 @@ pub struct Law<'a> {
 /// `law` is NULL or has as many bytes as its field `size` says, its arrays have their numbers of entries, and its functions may be called
 /// while the law is used.
 pub unsafe fn read<'a>(law: *const dc_law) -> Result<Law<'a>, Failure> {
-    // SAFETY: as the caller promises.
     let given = unsafe { dc_law::copy(law)? };
     given.check_counts()?;
-    // SAFETY: as the caller promises.
     let (multipliers, gaps, pressures) = unsafe {
         (
             input("multipliers", given.multipliers, given.multiplier_count)?,
@@ -318,7 +313,6 @@ pub unsafe fn read<'a>(law: *const dc_law) -> Result<Law<'a>, Failure> {
         multipliers: Some(multipliers).filter(|_| !given.multipliers.is_null()),
         tangent: choice::read(given.tangent)?,
         normal,
-        // SAFETY: as the caller promises.
         coefficient: unsafe { variable(&given)? },
         augmented: choice::flag("augmented", given.augmented)?,
         given,
@@ -349,7 +343,6 @@ unsafe fn variable(law: &dc_law) -> Result<Option<Box<dyn FrictionCoefficient>>,
         }
         dc_coefficient::DC_TABULATED => {
             without_constant("DC_TABULATED")?;
-            // SAFETY: as the caller promises.
             let (pressures, rates, table) = unsafe {
                 (
                     input("friction_pressures", law.friction_pressures, law.friction_pressure_count)?,

@@ -42,6 +42,7 @@
 //!   more can be refused. `border::Target` is a place that has been checked and is neither read nor written yet.
 //! * **Patterns** keep the equations they were made with, shared with the interface. A fill compares addresses, and numbers where they
 //!   differ.
+//! * **Safety.** An `unsafe` block without a comment rests on what the caller promises under `# Safety`.
 //!
 //! Tests: `src/tests` calls as C does: misuse, agreement with the runtime, and calls in no order with odd arguments
 //! (`DC_FUZZ_SECONDS=600` goes on with new seeds). `tests/installed` installs and links the library as users do, and compares its numbers

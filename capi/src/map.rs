@@ -35,7 +35,6 @@ pub unsafe extern "C" fn dc_map_create(
     entry_count: usize,
     map: *mut *mut dc_map,
 ) -> dc_status {
-    // SAFETY: as the caller promises.
     border::call(|| unsafe {
         create(interface, (row_offsets, row_offset_count), (columns, entry_count), map)
     })
@@ -54,7 +53,6 @@ pub unsafe extern "C" fn dc_map_create_64(
     entry_count: usize,
     map: *mut *mut dc_map,
 ) -> dc_status {
-    // SAFETY: as the caller promises.
     border::call(|| unsafe {
         create(interface, (row_offsets, row_offset_count), (columns, entry_count), map)
     })
@@ -76,7 +74,6 @@ unsafe fn create<I: Plain + CsrIndex>(
     let make = || {
         with(interface, |state| {
             let contacts = state.contacts()?;
-            // SAFETY: as the caller promises.
             let (row_offsets, columns) = unsafe {
                 (
                     input("row_offsets", row_offsets, row_offset_count)?,
@@ -87,7 +84,6 @@ unsafe fn create<I: Plain + CsrIndex>(
             MAPS.insert(OfEquations { places, dofs: Arc::clone(&state.dofs), what: "map" })
         })
     };
-    // SAFETY: as the caller promises.
     unsafe { border::hand_out("map", map, make) }
 }
 
@@ -119,13 +115,11 @@ pub unsafe extern "C" fn dc_map_add(
             map.check_equations(&state.dofs)?;
             let active_count = wanted("active_count", active_count, 1, 1)?;
             let whole = border::written("values", values, entry_count);
-            // SAFETY: as the caller promises.
             unsafe { law::disjoint(law, [whole, active_count.span()])? };
             // SAFETY: as the caller promises; nothing overlaps.
             let (law, values) = unsafe { (law::read(law)?, sums("values", values, entry_count)?) };
             let law = law.contact()?;
             let active = threads::run(|| map.places.add_from(&state.interface, &law, values))??;
-            // SAFETY: as the caller promises.
             unsafe { active_count.write([active]) };
             Ok(())
         })

@@ -37,7 +37,6 @@ pub fn expect_slaves(slaves: &[usize], found: usize) -> Result<(), Failure> {
 pub unsafe fn write_slaves(slaves: &[usize], into: *mut i32, count: usize) -> Result<(), Failure> {
     expect_slaves(slaves, count)?;
     let into = target("slaves", into, count)?;
-    // SAFETY: as the caller promises.
     unsafe { into.write(slaves.iter().map(|&node| node as i32)) };
     Ok(())
 }
@@ -55,7 +54,6 @@ pub unsafe fn write_counts(
     let node_count = wanted("node_count", node_count, 1, 1)?;
     let slave_count = wanted("slave_count", slave_count, 1, 1)?;
     disjoint([node_count.span(), slave_count.span()])?;
-    // SAFETY: as the caller promises.
     unsafe {
         node_count.write([nodes]);
         slave_count.write([slaves.len()]);
@@ -70,7 +68,6 @@ pub unsafe fn write_counts(
 pub unsafe fn points<'a>(positions: *const f64, nodes: usize) -> Result<&'a [Point], Failure> {
     let too_many = || Failure::new(DC_BAD_SIZE, format!("bad-size: there cannot be {nodes} nodes"));
     let count = nodes.checked_mul(3).ok_or_else(too_many)?;
-    // SAFETY: as the caller promises.
     let (points, _) = unsafe { input("positions", positions, count)? }.as_chunks::<3>();
     Ok(points)
 }
@@ -101,7 +98,6 @@ pub fn facets_of(rows: &[i32]) -> Result<Vec<Facet>, Failure> {
 /// As [`input`].
 pub unsafe fn facet_rows<'a>(name: &str, rows: *const i32, count: usize) -> Result<&'a [i32], Failure> {
     let too_many = || Failure::new(DC_BAD_SIZE, format!("bad-size: there cannot be {count} {name}"));
-    // SAFETY: as the caller promises.
     unsafe { input(name, rows, count.checked_mul(4).ok_or_else(too_many)?) }
 }
 
@@ -112,7 +108,6 @@ pub unsafe fn facet_rows<'a>(name: &str, rows: *const i32, count: usize) -> Resu
 pub unsafe fn symmetry_planes(planes: *const f64, plane_count: usize) -> Result<Vec<SymmetryPlane>, Failure> {
     let too_many = || Failure::new(DC_BAD_SIZE, format!("bad-size: there cannot be {plane_count} planes"));
     let count = plane_count.checked_mul(6).ok_or_else(too_many)?;
-    // SAFETY: as the caller promises.
     let (rows, _) = unsafe { input("planes", planes, count)? }.as_chunks::<6>();
     let plane = |&[x, y, z, a, b, c]: &[f64; 6]| SymmetryPlane { point: [x, y, z], normal: [a, b, c] };
     let mut planes = reserve("planes", rows.len())?;
@@ -143,7 +138,6 @@ pub unsafe fn equations_of(
         let message = format!("bad-size: equations of {node_count} nodes, but there are {nodes}");
         return Err(Failure::new(DC_BAD_SIZE, message));
     }
-    // SAFETY: as the caller promises.
     let numbers = unsafe { input("equations", equations, 3 * node_count)? };
     if let Some((place, number)) = numbers.iter().enumerate().find(|(_, number)| **number < -1) {
         let message =

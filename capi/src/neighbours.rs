@@ -63,7 +63,6 @@ pub unsafe extern "C" fn dc_pair(
         let too_many =
             || Failure::new(DC_BAD_SIZE, format!("bad-size: there cannot be {candidate_count} candidates"));
         let count = candidate_count.checked_mul(3).filter(|_| i32::try_from(candidate_count).is_ok());
-        // SAFETY: as the caller promises.
         let (options, slave, candidates, outward) = unsafe {
             (
                 dc_options::read(options)?,
@@ -72,7 +71,6 @@ pub unsafe extern "C" fn dc_pair(
                 input("outward", outward, 3)?,
             )
         };
-        // SAFETY: as the caller promises.
         let pairing = unsafe { sized_target(pairing)? };
         let chosen = border::written("masters", masters, capacity);
         let given = [border::read("slave", slave.as_ptr(), 3), border::read("outward", outward.as_ptr(), 3)];
@@ -105,7 +103,6 @@ pub unsafe extern "C" fn dc_pair(
             normal: found.frame.normal,
         };
         let masters = target("masters", masters, nodes.len())?;
-        // SAFETY: as the caller promises.
         unsafe {
             pairing.write(&result);
             masters.write(nodes.into_iter().map(|node| node as i32));

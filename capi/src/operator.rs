@@ -32,22 +32,18 @@ pub unsafe extern "C" fn dc_operator_create(
 ) -> dc_status {
     border::call(|| {
         let active_count = wanted("active_count", active_count, 1, 1)?;
-        // SAFETY: as the caller promises.
         unsafe { law::disjoint(law, [target("tangent", tangent, 1)?.span(), active_count.span()])? };
         let make = || {
             with(interface, |state| {
-                // SAFETY: as the caller promises.
                 let law = unsafe { law::read(law)? };
                 let law = law.contact()?;
                 let made = threads::run(|| TangentOperator::new(&state.interface, &law, &state.dofs))??;
                 let contacts = made.contacts();
                 let made = OPERATORS.insert(made)?;
-                // SAFETY: as the caller promises.
                 unsafe { active_count.write([contacts]) };
                 Ok(made)
             })
         };
-        // SAFETY: as the caller promises.
         unsafe { border::hand_out("tangent", tangent, make) }
     })
 }
@@ -84,7 +80,6 @@ unsafe fn add(
     work: impl Fn(&mut TangentOperator, &[f64], &mut [f64]) -> Result<(), AssemblyError> + Sync,
 ) -> dc_status {
     OPERATORS.call(tangent, |tangent| {
-        // SAFETY: as the caller promises.
         let (v, product) = unsafe { factors(v, product, count)? };
         Ok(threads::run(|| work(tangent, v, product))??)
     })
@@ -104,7 +99,6 @@ pub unsafe extern "C" fn dc_operator_product(
     product: *mut f64,
     equation_count: usize,
 ) -> dc_status {
-    // SAFETY: as the caller promises.
     unsafe { add(tangent, v, product, equation_count, TangentOperator::add_product) }
 }
 
@@ -119,7 +113,6 @@ pub unsafe extern "C" fn dc_operator_transposed_product(
     product: *mut f64,
     equation_count: usize,
 ) -> dc_status {
-    // SAFETY: as the caller promises.
     unsafe { add(tangent, v, product, equation_count, TangentOperator::add_transposed_product) }
 }
 
@@ -134,7 +127,6 @@ pub unsafe extern "C" fn dc_operator_diagonal(
     equation_count: usize,
 ) -> dc_status {
     OPERATORS.call(tangent, |tangent| {
-        // SAFETY: as the caller promises.
         let diagonal = unsafe { sums("diagonal", diagonal, equation_count)? };
         Ok(threads::run(|| tangent.add_diagonal(diagonal))??)
     })

@@ -114,7 +114,6 @@ impl dc_options {
         if options.is_null() {
             return Ok(Self::defaults());
         }
-        // SAFETY: as the caller promises.
         let options = unsafe { read_sized(options, Self::defaults)? };
         reserved("dc_options", options.reserved)?;
         Ok(options)
@@ -186,7 +185,6 @@ impl dc_options {
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn dc_options_default(options: *mut dc_options) -> dc_status {
     border::call(|| {
-        // SAFETY: as the caller promises.
         unsafe { sized_target(options)?.write(&dc_options::defaults()) };
         Ok(())
     })

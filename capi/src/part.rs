@@ -25,7 +25,6 @@ const EXTENTS: usize = 7;
 /// # Safety
 /// As [`input`].
 unsafe fn names_of(name: &str, names: *const i64, count: usize) -> Result<Vec<u64>, Failure> {
-    // SAFETY: as the caller promises.
     let numbers = unsafe { input(name, names, count)? };
     let mut made = reserve(name, count)?;
     for (k, &number) in numbers.iter().enumerate() {
@@ -40,7 +39,6 @@ unsafe fn names_of(name: &str, names: *const i64, count: usize) -> Result<Vec<u6
 /// # Safety
 /// As [`input`].
 unsafe fn of_length<const N: usize>(name: &str, numbers: *const f64) -> Result<[f64; N], Failure> {
-    // SAFETY: as the caller promises.
     let numbers = unsafe { input(name, numbers, N)? };
     numbers.try_into().map_err(|_| Failure::new(DC_BAD_POINTER, format!("bad-pointer: {name} is NULL")))
 }
@@ -60,7 +58,6 @@ pub unsafe extern "C" fn dc_extents(
     extents: *mut f64,
 ) -> dc_status {
     border::call(|| {
-        // SAFETY: as the caller promises.
         let (positions, rows) =
             unsafe { (points(positions, node_count)?, facet_rows("facets", facets, facet_count)?) };
         let target = roomy("extents", extents, EXTENTS, EXTENTS)?;
@@ -80,7 +77,6 @@ pub unsafe extern "C" fn dc_extents(
             extents: Extents::NONE,
         };
         let Extents { low: [a, b, c], high: [d, e, f], facet } = part.own_extents()?;
-        // SAFETY: as the caller promises.
         unsafe { target.write([a, b, c, d, e, f, facet]) };
         Ok(())
     })
@@ -101,7 +97,6 @@ pub unsafe extern "C" fn dc_boxes_around(
     box_count: *mut usize,
 ) -> dc_status {
     border::call(|| {
-        // SAFETY: as the caller promises.
         let around = unsafe { points(positions, point_count)? };
         if !(reach >= 0.0 && reach.is_finite()) {
             let message = format!("invalid-option: reach has to be finite and at least 0, not {reach}");
@@ -112,7 +107,6 @@ pub unsafe extern "C" fn dc_boxes_around(
         let boxes = roomy("boxes", boxes, most.saturating_mul(6), numbers.len())?;
         let count = roomy("box_count", box_count, 1, 1)?;
         disjoint([border::read("positions", positions, 3 * point_count), boxes.span(), count.span()])?;
-        // SAFETY: as the caller promises.
         unsafe {
             boxes.write(numbers.iter().copied());
             count.write([found.len()]);
@@ -152,7 +146,6 @@ pub unsafe extern "C" fn dc_part_create(
 ) -> dc_status {
     border::call(|| {
         let make = || {
-            // SAFETY: as the caller promises.
             let (positions, rows, owned, options, planes) = unsafe {
                 (
                     points(positions, node_count)?,
@@ -162,14 +155,12 @@ pub unsafe extern "C" fn dc_part_create(
                     symmetry_planes(planes, plane_count)?,
                 )
             };
-            // SAFETY: as the caller promises.
             let (node_numbers, facet_numbers) = unsafe {
                 (
                     names_of("node_names", node_names, node_count)?,
                     names_of("facet_names", facet_names, facet_count)?,
                 )
             };
-            // SAFETY: as the caller promises.
             let ([x, y, z, u, v, w], [a, b, c, d, e, f, facet]) =
                 unsafe { (of_length::<6>("known", known)?, of_length::<EXTENTS>("extents", extents)?) };
             check_nodes(positions.len())?;
@@ -187,7 +178,6 @@ pub unsafe extern "C" fn dc_part_create(
             };
             PARTS.insert(threads::run(|| SurfacePart::new(&facets, &options, &planes))??)
         };
-        // SAFETY: as the caller promises.
         unsafe { border::hand_out("part", part, make) }
     })
 }
@@ -220,7 +210,6 @@ pub unsafe extern "C" fn dc_part_demands(
         let integer_count = wanted("integer_count", integer_count, 1, 1)?;
         let real_count = wanted("real_count", real_count, 1, 1)?;
         disjoint([integers.span(), reals.span(), integer_count.span(), real_count.span()])?;
-        // SAFETY: as the caller promises.
         unsafe {
             integer_count.write([whole.len()]);
             real_count.write([real.len()]);
@@ -247,7 +236,6 @@ pub unsafe extern "C" fn dc_part_settle(
     is_settled: *mut i32,
 ) -> dc_status {
     PARTS.call(part, |part| {
-        // SAFETY: as the caller promises.
         let (integers, reals) =
             unsafe { (input("integers", integers, integer_count)?, input("reals", reals, real_count)?) };
         let target = roomy("is_settled", is_settled, 1, 1)?;
@@ -258,7 +246,6 @@ pub unsafe extern "C" fn dc_part_settle(
         ])?;
         let others = PartDemands::from_numbers(integers, reals)?;
         let settled = threads::run(|| part.settle(&others))??;
-        // SAFETY: as the caller promises.
         unsafe { target.write([i32::from(settled)]) };
         Ok(())
     })
@@ -281,13 +268,11 @@ pub unsafe extern "C" fn dc_part_window(
 ) -> dc_status {
     border::call(|| {
         let make = || {
-            // SAFETY: as the caller promises.
             let (positions, boxes): (_, Vec<Box3>) =
                 unsafe { (points(positions, node_count)?, boxes_of(boxes, box_count)?) };
             let cut = |part: &mut SurfacePart| Ok(threads::run(|| part.window(positions, &boxes, skin))??);
             WINDOWS.insert(PARTS.with(part.addr(), cut)?)
         };
-        // SAFETY: as the caller promises.
         unsafe { border::hand_out("window", window, make) }
     })
 }
@@ -305,7 +290,6 @@ pub unsafe extern "C" fn dc_window_joined(
 ) -> dc_status {
     border::call(|| {
         let make = || {
-            // SAFETY: as the caller promises.
             let handles = unsafe { input("windows", windows, window_count)? };
             let mut all: Vec<Window> = reserve("windows", window_count)?;
             for handle in handles {
@@ -315,7 +299,6 @@ pub unsafe extern "C" fn dc_window_joined(
         };
         // Writing to a handle that is still to be read would lose its window.
         disjoint([border::read("windows", windows, window_count), border::written("joined", joined, 1)])?;
-        // SAFETY: as the caller promises.
         unsafe { border::hand_out("joined", joined, make) }
     })
 }
@@ -337,7 +320,6 @@ pub unsafe extern "C" fn dc_window_first_positions(
             return Err(Failure::new(DC_BAD_SIZE, message));
         }
         let positions = roomy("positions", positions, 3 * expected, 3 * expected)?;
-        // SAFETY: as the caller promises.
         unsafe { positions.write(window.first_positions().flatten()) };
         Ok(())
     })
@@ -357,13 +339,11 @@ pub unsafe extern "C" fn dc_history_lengths(
     part_count: *mut usize,
 ) -> dc_status {
     border::call(|| {
-        // SAFETY: as the caller promises.
         let numbers = unsafe { input("history", history, count)? };
         let parts = split_history(numbers)?;
         let target = roomy("part_count", part_count, 1, 1)?;
         let lengths = wanted("lengths", lengths, capacity, parts.len())?;
         disjoint([border::read("history", history, count), lengths.span(), target.span()])?;
-        // SAFETY: as the caller promises.
         unsafe {
             lengths.write(parts.iter().map(|part| part.len()));
             target.write([parts.len()]);

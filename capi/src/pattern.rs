@@ -75,12 +75,10 @@ pub unsafe extern "C" fn dc_pattern_create(
                 let entries = index("entries", places.entries())? as usize;
                 let made = OfEquations { places, dofs: Arc::clone(&state.dofs), what: "pattern" };
                 let made = PATTERNS.insert(made)?;
-                // SAFETY: as the caller promises.
                 unsafe { entry_count.write([entries]) };
                 Ok(made)
             })
         };
-        // SAFETY: as the caller promises.
         unsafe { border::hand_out("pattern", pattern, make) }
     })
 }
@@ -109,7 +107,6 @@ pub unsafe extern "C" fn dc_pattern_structure(
         let row_offsets = wanted("row_offsets", row_offsets, row_offset_count, offsets.len())?;
         let columns = wanted("columns", columns, column_count, entries.len())?;
         disjoint([row_offsets.span(), columns.span()])?;
-        // SAFETY: as the caller promises.
         unsafe {
             row_offsets.write(offsets.iter().map(|&offset| offset as i32));
             columns.write(entries.iter().map(|&column| column as i32));
@@ -149,7 +146,6 @@ pub unsafe extern "C" fn dc_pattern_fill(
                 return Err(Failure::new(DC_BAD_SIZE, message));
             }
             let values = roomy("values", values, entry_count, entries)?;
-            // SAFETY: as the caller promises.
             unsafe { law::disjoint(law, [values.span(), active_count.span()])? };
             // SAFETY: as the caller promises; nothing overlaps.
             let law = unsafe { law::read(law)? };
@@ -158,7 +154,6 @@ pub unsafe extern "C" fn dc_pattern_fill(
             let values = unsafe { values.unspecified() };
             let map = pattern.places.map();
             let active = threads::run(|| map.fill_from(&state.interface, &law, values))??;
-            // SAFETY: as the caller promises.
             unsafe { active_count.write([active]) };
             Ok(())
         })

@@ -24,7 +24,6 @@ pub(super) static WINDOWS: Registry<Window> = Registry::new("window", 4);
 pub unsafe fn boxes_of(boxes: *const f64, box_count: usize) -> Result<Vec<Box3>, Failure> {
     let too_many = || Failure::new(DC_BAD_SIZE, format!("bad-size: there cannot be {box_count} boxes"));
     let count = box_count.checked_mul(6).ok_or_else(too_many)?;
-    // SAFETY: as the caller promises.
     let (rows, _) = unsafe { input("boxes", boxes, count)? }.as_chunks::<6>();
     let mut made = reserve("boxes", rows.len())?;
     made.extend(rows.iter().map(|&[x, y, z, a, b, c]| [[x, y, z], [a, b, c]]));
@@ -49,11 +48,9 @@ pub unsafe extern "C" fn dc_window_create(
 ) -> dc_status {
     border::call(|| {
         let make = || {
-            // SAFETY: as the caller promises.
             let boxes = unsafe { boxes_of(boxes, box_count)? };
             with(interface, |state| WINDOWS.insert(threads::run(|| state.interface.window(&boxes, skin))??))
         };
-        // SAFETY: as the caller promises.
         unsafe { border::hand_out("window", window, make) }
     })
 }
@@ -84,7 +81,6 @@ pub unsafe extern "C" fn dc_window_counts(
             let reals = wanted("real_count", real_count, 1, 1)?;
             disjoint([nodes.span(), facets.span(), integers.span(), reals.span()])?;
             let (integer_count, real_count) = window.count_numbers();
-            // SAFETY: as the caller promises.
             unsafe {
                 nodes.write([window.nodes().len()]);
                 facets.write([window.facets().len()]);
@@ -113,7 +109,6 @@ pub unsafe extern "C" fn dc_window_names(
             let nodes = wanted("nodes", nodes, node_count, window.nodes().len())?;
             let facets = wanted("facets", facets, facet_count, window.facets().len())?;
             disjoint([nodes.span(), facets.span()])?;
-            // SAFETY: as the caller promises.
             unsafe {
                 nodes.write(window.nodes().map(|number| number as i64));
                 facets.write(window.facets().map(|number| number as i64));
@@ -141,7 +136,6 @@ pub unsafe extern "C" fn dc_window_numbers(
             let integers = roomy("integers", integers, integer_count, numbers.0.len())?;
             let reals = roomy("reals", reals, real_count, numbers.1.len())?;
             disjoint([integers.span(), reals.span()])?;
-            // SAFETY: as the caller promises.
             unsafe {
                 integers.write(numbers.0);
                 reals.write(numbers.1);
@@ -165,12 +159,10 @@ pub unsafe extern "C" fn dc_window_from_numbers(
 ) -> dc_status {
     border::call(|| {
         let make = || {
-            // SAFETY: as the caller promises.
             let (integers, reals) =
                 unsafe { (input("integers", integers, integer_count)?, input("reals", reals, real_count)?) };
             WINDOWS.insert(Window::from_numbers(integers, reals)?)
         };
-        // SAFETY: as the caller promises.
         unsafe { border::hand_out("window", window, make) }
     })
 }
@@ -200,7 +192,6 @@ pub unsafe extern "C" fn dc_create_in_window(
 ) -> dc_status {
     border::call(|| {
         let make = || {
-            // SAFETY: as the caller promises.
             let (positions, slaves, facets, options) = unsafe {
                 (
                     points(positions, node_count)?,
@@ -221,7 +212,6 @@ pub unsafe extern "C" fn dc_create_in_window(
             })?;
             insert(State::new(contact, positions.len(), hint))
         };
-        // SAFETY: as the caller promises.
         unsafe { border::hand_out("interface", interface, make) }
     })
 }

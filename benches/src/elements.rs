@@ -41,9 +41,6 @@ pub struct Elements {
 
 impl Elements {
     /// `count` elements with `nodes` master nodes each, the same in every run.
-    ///
-    /// # Errors
-    /// [`ElementsError`].
     pub fn new(nodes: usize, count: usize) -> Result<Self, ElementsError> {
         if nodes < Basis::Quadratic.size() {
             return Err(ElementsError::TooFewNodes { nodes });

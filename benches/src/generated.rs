@@ -20,9 +20,6 @@ pub struct UnknownIsa {
 }
 
 /// The set of vector instructions of a name, for the generated kernels to be run with.
-///
-/// # Errors
-/// [`UnknownIsa`].
 pub fn isa_named(name: &str) -> Result<Isa, UnknownIsa> {
     Isa::named(name).ok_or_else(|| UnknownIsa {
         name: name.to_owned(),

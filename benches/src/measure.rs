@@ -62,9 +62,6 @@ pub enum MeasureError {
 }
 
 /// Compares all contenders, then runs them in turn and takes medians. `progress` hears of every number of nodes.
-///
-/// # Errors
-/// [`MeasureError`].
 pub fn measure(plan: &Plan, progress: impl Fn(&str) + Sync) -> Result<Report, MeasureError> {
     if plan.rounds == 0 {
         return Err(MeasureError::NoRounds);

@@ -379,9 +379,6 @@ impl Config {
     /// end flat ([`Weight::note`]). In a build script the
     /// kernels know whether their crate is compiled with optimisation, from Cargo's `OPT_LEVEL`: at level 0 or 1 they are
     /// compiled, and run, number by number, which takes a fifth of the time to compile.
-    ///
-    /// # Errors
-    /// [`ConfigError`].
     pub fn compile(&self) -> Result<PathBuf, ConfigError> {
         let folder = match &self.folder {
             Some(folder) => folder.clone(),

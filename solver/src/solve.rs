@@ -161,9 +161,6 @@ fn finished(state: &State, deck: &Deck, out: &Path) -> Result<Option<Summary>, O
 }
 
 /// Writes the page for directories of results.
-///
-/// # Errors
-/// [`OutputError`].
 pub fn write_report(directories: &[&Path], target: &Path) -> Result<(), OutputError> {
     let page = report::report(directories)?;
     diffuse_contact_mesh::file::replace(target, |writer| std::io::Write::write_all(writer, page.as_bytes()))

@@ -65,9 +65,6 @@ const MONOMIALS: [(u8, u8); 6] = [(0, 0), (1, 0), (0, 1), (2, 0), (1, 1), (0, 2)
 impl CustomBasis {
     /// A basis from the exponents of (a, b) of its functions, in the order of their degrees, at most 4. It has to begin with 1, a,
     /// b and to contain all derivatives of its functions. `name` names the emitted module.
-    ///
-    /// # Errors
-    /// [`BasisError`].
     pub fn new(name: &'static str, monomials: &'static [(u8, u8)]) -> Result<Self, BasisError> {
         let built_in = Basis::ALL.iter().any(|basis| basis.name() == name);
         if built_in || !super::weight::is_module_name(name) {

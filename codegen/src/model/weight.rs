@@ -111,9 +111,6 @@ impl Weight {
     ///
     /// The formula must be positive, and differentiable at r = 0 as a function of the position, w'(0) = 0. Let
     /// it and its first derivative vanish at r = 1, or the fit jumps when a node leaves the support.
-    ///
-    /// # Errors
-    /// [`WeightError`].
     pub fn new(name: &str, formula: &str) -> Result<Self, WeightError> {
         if !is_module_name(name) {
             return Err(WeightError::Name { name: name.to_owned() });

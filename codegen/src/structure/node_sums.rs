@@ -112,9 +112,6 @@ struct Variables<'a, 'g> {
 }
 
 /// Derivatives of a function of element scope by variables of the element and of a node.
-///
-/// # Errors
-/// [`NoSum`].
 pub fn node_derivatives<'g>(
     function: Expr<'g>,
     (element, node): (&[Expr<'g>], &[Expr<'g>]),

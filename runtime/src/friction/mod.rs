@@ -85,9 +85,6 @@ fn check_stiffness(value: f64) -> Result<(), FrictionError> {
 
 impl<'a> Coulomb<'a> {
     /// The law with the coefficient of friction μ ≥ 0 and the tangential stiffness ε_T > 0, force per length.
-    ///
-    /// # Errors
-    /// [`FrictionError`].
     pub fn new(coefficient: f64, stiffness: f64) -> Result<Self, FrictionError> {
         check_coefficient(coefficient)?;
         check_stiffness(stiffness)?;

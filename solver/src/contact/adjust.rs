@@ -55,9 +55,6 @@ pub struct Adjusted {
 
 /// New positions of the slaves whose gap is at most `limit` either way: onto the surface along what axes that are `free` leave of the normal
 /// at their foot.
-///
-/// # Errors
-/// [`AdjustError`].
 pub fn adjust(
     interaction: &mut Interaction,
     start: &[Point],

@@ -334,9 +334,6 @@ impl Interaction {
 
     /// How far the contacts are from Coulomb's law without an elastic slip, length: the largest slip of those that stick, and part across
     /// the traction of those that slide. Those that can move nothing are left out; 0 without augmentation of friction.
-    ///
-    /// # Errors
-    /// [`ContactError`].
     pub fn slip_error(&self) -> Result<f64, ContactError> {
         let named = |error: PassError| error.of(&self.options.name);
         let mut errors = self.passes.iter().map(|pass| pass.slip_error().map_err(named));

@@ -156,9 +156,6 @@ impl Deck {
     }
 
     /// Reads a deck.
-    ///
-    /// # Errors
-    /// [`DeckError`].
     pub fn read(path: impl AsRef<Path>) -> Result<Self, DeckError> {
         let path = path.as_ref();
         let text =

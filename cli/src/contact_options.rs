@@ -103,16 +103,10 @@ pub fn diffuse(weight: Weight, frame: FrameDerivative, rule: NeighbourRule) -> C
 /// An element in JSON and in words.
 #[derive(Clone, Copy, Debug, Serialize)]
 #[serde(tag = "kind", rename_all = "kebab-case")]
+#[allow(missing_docs)] // The names say what the fields are.
 pub enum ElementDescription {
     /// The diffuse element.
-    Diffuse {
-        /// Weight of the fit.
-        weight: &'static str,
-        /// What the frame does while differentiating.
-        frame_derivative: &'static str,
-        /// Rule of the neighbour search.
-        rule: &'static str,
-    },
+    Diffuse { weight: &'static str, frame_derivative: &'static str, rule: &'static str },
     /// The classic element.
     NodeToFacet,
 }

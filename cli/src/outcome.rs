@@ -16,13 +16,8 @@ use crate::{input, output};
 pub enum Outcome<T> {
     /// The result.
     Ok(Box<T>),
-    /// There is none.
-    Error {
-        /// Stable machine-readable reason.
-        code: &'static str,
-        /// The reason in words, with its figures.
-        message: String,
-    },
+    /// There is none. `code` is a stable machine-readable reason, `message` the reason in words, with its figures.
+    Error { code: &'static str, message: String },
 }
 
 /// Exit code if an entry has no result.

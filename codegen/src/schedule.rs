@@ -19,29 +19,16 @@ const MOST_DEPTH: usize = 14;
 
 /// What results of node scope are.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[allow(missing_docs)] // The names say what the fields are.
 pub enum NodeTarget {
     /// A node's part of a gradient, x, y and z.
-    Gradient {
-        /// Which gradient.
-        gradient: usize,
-    },
+    Gradient { gradient: usize },
     /// A node's part of a row of a Hessian's form, x, y and z.
-    Row {
-        /// Which Hessian.
-        hessian: usize,
-        /// Which row.
-        row: usize,
-    },
+    Row { hessian: usize, row: usize },
     /// A node's own block of a Hessian's form, lower triangle.
-    Own {
-        /// Which Hessian.
-        hessian: usize,
-    },
+    Own { hessian: usize },
     /// A number of the node.
-    Value {
-        /// Which of the kernel's.
-        value: usize,
-    },
+    Value { value: usize },
 }
 
 /// The rows of a Hessian's form in the order in which they are multiplied: b and c of each term.

@@ -14,6 +14,7 @@ const LARGEST_DEGREE: usize = 1000;
 
 /// A formula in r.
 #[derive(Clone, Debug, PartialEq)]
+#[allow(missing_docs)] // The names say what the fields are.
 pub enum Formula {
     /// A number.
     Number(f64),
@@ -36,16 +37,7 @@ pub enum Formula {
     /// √x
     Sqrt(Box<Formula>),
     /// if x < y { then } else { otherwise }
-    If {
-        /// Left side of the comparison.
-        x: Box<Formula>,
-        /// Right side of the comparison.
-        y: Box<Formula>,
-        /// Value where x < y.
-        then: Box<Formula>,
-        /// Value elsewhere.
-        otherwise: Box<Formula>,
-    },
+    If { x: Box<Formula>, y: Box<Formula>, then: Box<Formula>, otherwise: Box<Formula> },
 }
 
 impl Formula {

@@ -124,6 +124,7 @@ impl Function {
 
 /// An operation and its operands.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[allow(missing_docs)] // The names say what the fields are.
 pub enum Op {
     /// A number, by its bits.
     Constant(u64),
@@ -156,30 +157,14 @@ pub enum Op {
     /// P(x)
     Polynomial(ExprId, PolynomialId),
     /// if x < y { then } else { otherwise }
-    Select {
-        /// Left side of the comparison.
-        x: ExprId,
-        /// Right side of the comparison.
-        y: ExprId,
-        /// Value where x < y.
-        then: ExprId,
-        /// Value elsewhere.
-        otherwise: ExprId,
-    },
+    Select { x: ExprId, y: ExprId, then: ExprId, otherwise: ExprId },
     /// Sum over the nodes.
     Sum(ExprId),
     /// Component of the solution of a symmetric system.
     Solution(SolveId, u32),
     /// Entry (row, column ≤ row) of L⁻¹, where L S Lᵀ is the system's matrix in its elimination order. `column`
     /// counts in that order too.
-    InverseFactor {
-        /// The system.
-        system: SystemId,
-        /// Row in elimination order.
-        row: u32,
-        /// Column in elimination order.
-        column: u32,
-    },
+    InverseFactor { system: SystemId, row: u32, column: u32 },
     /// Smallest pivot of a system's factorisation, relative to its reference.
     PivotRatio(SystemId),
     /// Unknown of a small system of equations at its root.

@@ -29,35 +29,18 @@ pub struct ElementSpec {
 /// What a number is that a kernel has for each node. With V variables of the element, variable a of node i is number V + p i + a of
 /// all, p being the variables of a node.
 #[derive(Clone, Debug, PartialEq, Eq)]
+#[allow(missing_docs)] // The names say what the fields are.
 pub enum NodeResult {
-    /// A first derivative by a variable of the node.
-    First {
-        /// The argument it is written to: `gradient`, a Jacobian, or the Hessian's product with a vector.
-        argument: String,
-        /// Row of the Jacobian.
-        row: usize,
-        /// Which variable of the node.
-        component: usize,
-    },
-    /// A second derivative by a variable of the node and one of the element.
-    Mixed {
-        /// Which variable of the node.
-        component: usize,
-        /// Which of the element.
-        variable: usize,
-    },
-    /// A row b or c of the Hessian's products: d²E/dxᵢdxⱼ = δᵢⱼ D + Σ bᵢᵀ cⱼ + cᵢᵀ bⱼ.
-    Row {
-        /// b of the first product is 0, its c is 1, b of the second is 2, ….
-        row: usize,
-        /// Which variable of the node.
-        component: usize,
-    },
-    /// D, the packed lower triangle.
-    Own {
-        /// Its place there.
-        place: usize,
-    },
+    /// A first derivative by a variable, the `component`, of the node. `argument` is what it is written to: `gradient`, a Jacobian, or the
+    /// Hessian's product with a vector. `row` is that of the Jacobian.
+    First { argument: String, row: usize, component: usize },
+    /// A second derivative by a variable of the node, the `component`, and one of the element.
+    Mixed { component: usize, variable: usize },
+    /// A row b or c of the Hessian's products: d²E/dxᵢdxⱼ = δᵢⱼ D + Σ bᵢᵀ cⱼ + cᵢᵀ bⱼ. Of the first product b is `row` 0 and c is 1, b of
+    /// the second is 2, ….
+    Row { row: usize, component: usize },
+    /// D, the packed lower triangle, by the place there.
+    Own { place: usize },
 }
 
 /// Name of a node's values in the kernel, which [`ElementSpec::node_results`] tell apart.

@@ -12,48 +12,26 @@ pub const JACOBIAN_TOLERANCE: f64 = 1e-7;
 /// Outcome of one element.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
+#[allow(missing_docs)] // The names say what the fields are.
 pub enum Status {
     /// All results are finite numbers.
     Ok,
-    /// The moment matrix is singular to working precision.
-    SingularFit {
-        /// Smallest relative pivot.
-        pivot_ratio: f64,
-    },
-    /// The iteration for the foot did not converge.
-    FootDiverged {
-        /// Largest relative residual.
-        residual: f64,
-        /// Evaluations of the equations.
-        iterations: f64,
-    },
-    /// The foot lies outside the domain of influence.
-    FootOutside {
-        /// In-plane distance over the support radius.
-        distance: f64,
-    },
-    /// The slave lies on a centre of curvature; of a facet, also beyond one.
-    CentreOfCurvature {
-        /// Determinant of the Jacobian.
-        determinant: f64,
-    },
-    /// The slave lies beyond a centre of curvature: the foot is a stationary point of the distance, but not a minimum.
-    BeyondCentreOfCurvature {
-        /// Determinant of the Jacobian.
-        determinant: f64,
-        /// Its trace, negative at a minimum.
-        trace: f64,
-    },
-    /// The average plane is not unique to working precision.
-    NoAveragePlane {
-        /// Smallest relative pivot of the plane's system.
-        pivot_ratio: f64,
-    },
-    /// A facet without area, folded or not convex, or its extension folded at the foot.
-    DegenerateFacet {
-        /// Area element at a corner or at the foot, relative to a square's; 0 if there is none.
-        area: f64,
-    },
+    /// The moment matrix is singular to working precision. `pivot_ratio` is the smallest relative pivot.
+    SingularFit { pivot_ratio: f64 },
+    /// The iteration for the foot did not converge. `residual` is the largest relative one, `iterations` are evaluations of the equations.
+    FootDiverged { residual: f64, iterations: f64 },
+    /// The foot lies outside the domain of influence. `distance` is that in the plane over the support radius.
+    FootOutside { distance: f64 },
+    /// The slave lies on a centre of curvature; of a facet, also beyond one. `determinant` is that of the Jacobian.
+    CentreOfCurvature { determinant: f64 },
+    /// The slave lies beyond a centre of curvature: the foot is a stationary point of the distance, but not a minimum. The figures are
+    /// those of the Jacobian, whose trace is negative at a minimum.
+    BeyondCentreOfCurvature { determinant: f64, trace: f64 },
+    /// The average plane is not unique to working precision. `pivot_ratio` is the smallest relative pivot of the plane's system.
+    NoAveragePlane { pivot_ratio: f64 },
+    /// A facet without area, folded or not convex, or its extension folded at the foot. `area` is the area element at a corner or at the
+    /// foot, relative to a square's; 0 if there is none.
+    DegenerateFacet { area: f64 },
     /// A result is not a finite number although nothing else is wrong: overflow, or input that was not finite.
     NotFinite,
 }

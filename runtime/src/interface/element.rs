@@ -8,25 +8,16 @@ use super::{ContactElement, NoContact};
 use crate::Point;
 use crate::pairing::Pairing;
 
-/// A slave node and what it is paired with, at the positions of the moment.
+/// A slave node and what it is paired with, at the positions of the moment. `slave` is the position of the slave node.
 #[derive(Clone, Debug, PartialEq)]
 #[allow(clippy::large_enum_variant, reason = "one at a time is taken out, to be looked at")]
+#[allow(missing_docs)] // The names say what the fields are.
 pub enum PairedElement {
-    /// A diffuse element.
-    Diffuse {
-        /// Position of the slave node.
-        slave: Point,
-        /// Masters with their positions, frame, support radius, basis and weight; [`Pairing::element`] makes the element
-        /// that a [`Backend`](crate::Backend) evaluates.
-        pairing: Pairing,
-    },
-    /// An element of slave and facet, a [`FacetElement`](crate::FacetElement).
-    Facet {
-        /// Position of the slave node.
-        slave: Point,
-        /// Positions of the facet's corners.
-        corners: Vec<Point>,
-    },
+    /// A diffuse element, by masters with their positions, frame, support radius, basis and weight. [`Pairing::element`] makes the element
+    /// that a [`Backend`](crate::Backend) evaluates.
+    Diffuse { slave: Point, pairing: Pairing },
+    /// An element of slave and facet, a [`FacetElement`](crate::FacetElement), by the positions of the facet's corners.
+    Facet { slave: Point, corners: Vec<Point> },
 }
 
 impl Evaluator<'_> {

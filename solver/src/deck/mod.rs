@@ -91,29 +91,16 @@ pub struct PartEntry {
     pub translation: [f64; 3],
 }
 
-/// Where the mesh of a part comes from.
+/// Where the mesh of a part comes from. A `file` is relative to the deck; `instance` is one of an Abaqus file, if there are several.
 #[derive(Clone, Debug, PartialEq)]
+#[allow(missing_docs)] // The names say what the fields are.
 pub enum PartSource {
     /// A parametric shape.
     Shape(Shape),
-    /// Solid elements of a mesh file.
-    Solid {
-        /// The file, relative to the deck.
-        file: PathBuf,
-        /// Instance in an Abaqus file, if there are several.
-        instance: Option<String>,
-        /// Element set; `None` for all solid elements.
-        elements: Option<String>,
-    },
-    /// Facets of a mesh file.
-    Rigid {
-        /// The file, relative to the deck.
-        file: PathBuf,
-        /// Instance in an Abaqus file, if there are several.
-        instance: Option<String>,
-        /// Surface or element set.
-        surface: String,
-    },
+    /// Solid elements of a mesh file. `elements` is an element set; `None` for all solid elements.
+    Solid { file: PathBuf, instance: Option<String>, elements: Option<String> },
+    /// Facets of a mesh file. `surface` is a surface or an element set.
+    Rigid { file: PathBuf, instance: Option<String>, surface: String },
 }
 
 /// Nodes that are held or moved.

@@ -60,23 +60,14 @@ pub struct LinearSystem<'a> {
 /// How a solution went.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
+#[allow(missing_docs)] // The names say what the fields are.
 pub enum LinearReport {
     /// By factors.
     Direct,
-    /// By iteration.
-    Iterative {
-        /// Iterations.
-        iterations: usize,
-        /// The size of the right-hand side, see [`Accuracy`].
-        size: f64,
-        /// Memory of matrix, preconditioner and vectors, bytes.
-        bytes: usize,
-    },
+    /// By iteration. `size` is that of the right-hand side, see [`Accuracy`]; `bytes` is the memory of matrix, preconditioner and vectors.
+    Iterative { iterations: usize, size: f64, bytes: usize },
     /// By factors, since the iterative solution did not converge within so many iterations.
-    Instead {
-        /// Iterations that were in vain.
-        iterations: usize,
-    },
+    Instead { iterations: usize },
 }
 
 /// Solves systems directly or iteratively. What it keeps from one to the next is the symbolic factorisation, and whether factors were too

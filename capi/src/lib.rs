@@ -8,7 +8,7 @@
 //! dc_interface *interface;
 //! dc_create(positions, nodes, facets, facet_count, slaves, slave_count, NULL, 0, NULL, &interface);
 //! dc_refresh(interface, positions, nodes, NULL);      /* once an increment */
-//! dc_update(interface, positions, nodes);             /* each iteration */
+//! dc_follow(interface, positions, nodes, NULL);       /* each iteration */
 //! dc_evaluate(interface, DC_HESSIAN);
 //! dc_add_forces(interface, &law, force, equations, NULL);
 //! ```

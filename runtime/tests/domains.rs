@@ -414,3 +414,36 @@ fn other_rules_have_no_symmetry() {
     let planes = [SymmetryPlane::across(0, [0.0; 3])];
     assert_eq!(interface.set_symmetry(&planes), Err(InterfaceError::NoSymmetry));
 }
+
+/// A small facet in the middle of a cell, the lowest or the highest in number: its neighbours' nodes are beyond its first reach.
+#[test]
+fn a_small_facet_among_large_ones_carries_a_quadratic_surface() {
+    for is_first in [true, false] {
+        let height = |x: f64, y: f64| 0.2 * (0.6 * x).sin() * (0.5 * y).cos();
+        let (mut nodes, mut facets) = grid(9, 9, |x, y| [x, y, height(x, y)]);
+        let cell = facets.remove(40);
+        let around: Vec<usize> = cell.corners().to_vec();
+        let first = nodes.len();
+        let [x, y] = [0, 1].map(|axis| around.iter().map(|&k| nodes[k][axis]).sum::<f64>() / 4.0);
+        let small = [[-0.05, -0.05], [0.05, -0.05], [0.05, 0.05], [-0.05, 0.05]];
+        nodes.extend(small.map(|[a, b]| [x + a, y + b, height(x + a, y + b)]));
+        let beside = (0..4).map(|k| {
+            let next = (k + 1) % 4;
+            Facet::Quadrilateral([around[k], around[next], first + next, first + k])
+        });
+        facets.extend(beside);
+        let small = Facet::Quadrilateral([first, first + 1, first + 2, first + 3]);
+        facets.insert(if is_first { 0 } else { facets.len() }, small);
+        let at = |a: f64, b: f64| [x + a, y + b, height(x + a, y + b) + 0.01];
+        let slaves = [at(0.0, 0.0), at(0.03, -0.02), at(0.2, 0.1), at(-0.3, 0.0)];
+        let mut interface = interface(&(nodes.clone(), facets), &slaves, options(Weight::Cubic), &[]);
+        let all: Vec<Point> = nodes.into_iter().chain(slaves).collect();
+        let report = interface.renew_pairing(&all).unwrap();
+        assert_eq!((report.paired, report.fallbacks.linear), (4, 0), "{is_first}");
+        assert!(
+            gaps(&mut interface).iter().all(|gap| (gap - 0.01).abs() < 2e-3),
+            "{:?}",
+            gaps(&mut interface)
+        );
+    }
+}

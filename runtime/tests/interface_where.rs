@@ -153,6 +153,17 @@ fn a_tangent_whose_hessians_nobody_holds_has_the_same_bits() {
             assert!(found == expected);
             assert_eq!(map.add_from(interface, law, &mut found), Ok(active));
             assert!(found.iter().zip(&expected).all(|(found, half)| (found - 2.0 * half).abs() <= 1e-13));
+            // Lists made anew after the evaluation are not those of the pattern.
+            let [before, moved] = [0.0, 0.7].map(|way| {
+                let slaves = scene.positions.iter().enumerate();
+                let of_slave =
+                    |(k, x): (usize, &Point)| [x[0] + if k < scene.first { 0.0 } else { way }, x[1], x[2]];
+                slaves.map(of_slave).collect::<Vec<_>>()
+            });
+            scene.interface.refresh_pairing(&moved).unwrap();
+            let stale = map.fill_from(&scene.interface, law, &mut vec![0.0; entries]).unwrap_err();
+            assert_eq!(stale.code(), "pattern-mismatch");
+            scene.interface.refresh_pairing(&before).unwrap();
         }
     }
 }

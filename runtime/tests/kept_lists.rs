@@ -8,37 +8,54 @@ use diffuse_contact::{Mode, Point};
 use crate::common::{Mesh, Scene, Uniform};
 use crate::self_contact::both;
 
-/// How the slave fares, and its gap; 0 without contact.
-fn found(scene: &mut Scene) -> (Outcome, f64) {
-    let contact = scene.interface.evaluate(Mode::Value).unwrap().get(0);
-    (contact.outcome, if contact.outcome.is_contact() { contact.point.gap } else { 0.0 })
+/// How the slaves fare, and their gaps; 0 without contact.
+fn all_found(scene: &mut Scene) -> Vec<(Outcome, f64)> {
+    let contacts = scene.interface.evaluate(Mode::Value).unwrap().iter();
+    let gap = |is_contact: bool, gap: f64| if is_contact { gap } else { 0.0 };
+    contacts.map(|contact| (contact.outcome, gap(contact.outcome.is_contact(), contact.point.gap))).collect()
 }
 
-/// Slaves walk about, by less than lists last, in boxes around what they meet. Returns how many refreshes kept lists, and how many made them.
+/// The first of them.
+fn found(scene: &mut Scene) -> (Outcome, f64) {
+    all_found(scene)[0]
+}
+
+/// Slaves walk about, by less than lists last, in boxes around what they meet. Returns how many lists were kept, and how many were made.
 fn walk(mesh: &Mesh, options: InterfaceOptions, centre: Point, half: Point, step: f64) -> [usize; 2] {
     let mut random = Uniform(21);
     let mut counts = [0; 2];
-    for _ in 0..40 {
-        let mut x = [0, 1, 2].map(|axis| centre[axis] + half[axis] * random.signed());
-        let [mut kept, mut anew] = [(); 2].map(|()| mesh.paired(&[x], options));
-        for _ in 0..60 {
+    let start = |random: &mut Uniform| [0, 1, 2].map(|axis| centre[axis] + half[axis] * random.signed());
+    let mut slaves: Vec<Point> = (0..40).map(|_| start(&mut random)).collect();
+    let [mut kept, mut anew] = [(); 2].map(|()| mesh.paired(&slaves, options));
+    for _ in 0..60 {
+        for x in &mut slaves {
             let way = [(); 3].map(|()| step * random.signed());
-            x = [0, 1, 2].map(|axis| {
+            *x = [0, 1, 2].map(|axis| {
                 (x[axis] + way[axis] - centre[axis]).clamp(-half[axis], half[axis]) + centre[axis]
             });
-            kept.move_slaves(&[x]);
-            anew.move_slaves(&[x]);
-            let report = kept.refresh();
-            counts[usize::from(report.rebuilt)] += 1;
-            anew.interface.renew_pairing(&anew.positions).unwrap();
-            let [one, other] = [&mut kept, &mut anew].map(found);
-            assert!(
-                one.0 == other.0 && (one.1 - other.1).abs() < 1e-15,
-                "{x:?} {one:?} {other:?} {report:?}"
-            );
+        }
+        kept.move_slaves(&slaves);
+        anew.move_slaves(&slaves);
+        let report = kept.refresh();
+        counts[0] += report.kept;
+        counts[1] += report.paired - report.kept;
+        anew.interface.renew_pairing(&anew.positions).unwrap();
+        let [ones, others] = [&mut kept, &mut anew].map(all_found);
+        for ((x, one), other) in slaves.iter().zip(ones).zip(others) {
+            assert!(one.0 == other.0 && (one.1 - other.1).abs() < 1e-15, "{x:?} {one:?} {other:?}");
         }
     }
     counts
+}
+
+/// On the bisector of a groove either side is the closest, at every place: only the slave there is listed in each iteration.
+#[test]
+fn lists_of_others_stay_where_one_slave_has_two_sheets() {
+    let groove = Mesh::grid([9, 9], [false; 2], |s, t| [8.0 * s - 4.0, 8.0 * t - 4.0, (8.0 * s - 4.0).abs()]);
+    let mut scene = groove.paired(&[[0.0, 0.1, 0.5], [3.0, 0.2, 3.3]], InterfaceOptions::default());
+    let report = scene.refresh();
+    assert_eq!((report.rebuilt, report.paired, report.kept, report.renewed), (true, 2, 1, 1));
+    assert!(!scene.interface.follow(&scene.positions).unwrap(), "the lists are the same");
 }
 
 #[test]
@@ -105,7 +122,9 @@ fn a_slave_that_follows_below_a_side_has_the_gap_to_that_side() {
     // Paired anew, it has come out below.
     let slave = place(0.07, 2.0);
     of_plate.move_slaves(&[slave]);
-    of_plate.refresh();
+    let report = of_plate.refresh();
+    let jump = report.largest_gap_jump.expect("it is on another sheet");
+    assert!((jump.before + 0.07).abs() < 0.005 && (jump.after + 0.03).abs() < 0.005, "{jump:?}");
     let gap = of_plate.interface.evaluate(Mode::Value).unwrap().get(0).point.gap;
     assert!((gap + 0.03).abs() < 0.005, "{gap}");
 }

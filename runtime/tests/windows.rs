@@ -343,28 +343,29 @@ fn lists_kept_in_a_window_have_the_bits_of_the_whole() {
     let case = Case::new(&[]);
     let mut random = Uniform(5);
     let mut whole = case.mesh.scene(&case.slaves, case.options);
-    let all: Vec<usize> = (0..case.slaves.len()).collect();
-    // One by one, since lists are kept of all slaves or of none.
     let mut kept = 0;
-    for &k in all.iter().step_by(5) {
-        let start = case.slaves[k];
-        let mut slave = [start[0], start[1], start[2] + LIMIT];
-        let boxes = boxes_around(&[slave], 1.05 * LIMIT, 1);
-        whole.interface.update(&whole.positions).unwrap();
-        let window = whole.interface.window(&boxes, 0.01).unwrap();
-        let mut part = part(&window, &[slave], &whole.positions, case.options);
-        for _ in 0..40 {
-            slave = [slave[0] + 0.02 * random.signed(), slave[1] + 0.02 * random.signed(), slave[2] - 0.01];
+    let alone = |k: usize| {
+        let [x, y, z] = case.slaves[k];
+        let slave = [x, y, z + LIMIT];
+        let window = whole.interface.window(&boxes_around(&[slave], 1.05 * LIMIT, 1), 0.01).unwrap();
+        (k, slave, part(&window, &[slave], &whole.positions, case.options))
+    };
+    // Each in a window of its own.
+    let mut parts: Vec<_> = (0..case.slaves.len()).step_by(5).map(alone).collect();
+    for _ in 0..40 {
+        for (k, slave, part) in &mut parts {
+            *slave = [slave[0] + 0.02 * random.signed(), slave[1] + 0.02 * random.signed(), slave[2] - 0.01];
             let last = part.positions.len() - 1;
-            part.positions[last] = slave;
-            whole.positions[whole.first + k] = slave;
+            part.positions[last] = *slave;
+            whole.positions[whole.first + *k] = *slave;
+        }
+        whole.interface.renew_pairing(&whole.positions).unwrap();
+        whole.interface.evaluate(Mode::Value).unwrap();
+        for (k, slave, part) in &mut parts {
             kept += usize::from(!part.interface.refresh_pairing(&part.positions).unwrap().rebuilt);
-            whole.interface.renew_pairing(&whole.positions).unwrap();
             let [found, expected] =
-                [(&mut part.interface, 0), (&mut whole.interface, k)].map(|(interface, k)| {
-                    let contact = interface.evaluate(Mode::Value).unwrap().get(k);
-                    (contact.outcome, contact.point.gap.to_bits())
-                });
+                [part.interface.evaluate(Mode::Value).unwrap().get(0), whole.interface.contacts().get(*k)]
+                    .map(|contact| (contact.outcome, contact.point.gap.to_bits()));
             let is_same = match (found.0, expected.0) {
                 (Outcome::None(NoContact::BeyondWindow { .. }), _) => true,
                 (Outcome::None(NoContact::TooFar { .. }), Outcome::None(NoContact::TooFar { .. })) => true,

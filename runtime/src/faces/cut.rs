@@ -113,8 +113,9 @@ impl View {
 pub struct Cutting<'a> {
     /// Of the piece over a facet.
     pub rule: &'a dyn Fn(u32) -> FaceRule,
-    /// The largest distance of a facet, length.
+    /// The largest distance of any facet, length, and that of each.
     pub limit: f64,
+    pub limit_of: &'a dyn Fn(u32) -> f64,
     /// How deep the face's points may lie below a facet, length; `None` if they do not touch it at all.
     pub depth: &'a dyn Fn(u32) -> Option<f64>,
     /// Whether facets that look the way the face does hide what lies behind them. Not where the face is a facet itself.
@@ -128,19 +129,25 @@ pub fn cut(
     first: &Shape,
     functions: impl Fn([f64; 2]) -> Option<[f64; MOST_NODES]>,
     index: &SurfaceIndex<'_>,
-    Cutting { rule, limit, depth, hides_behind }: Cutting<'_>,
+    Cutting { rule, limit, limit_of, depth, hides_behind }: Cutting<'_>,
     scratch: &mut CutScratch,
     points: &mut Vec<FacePoint>,
 ) -> usize {
     let Some(view) = View::of(face) else { return 0 };
     let corners: Polygon = face.corners().iter().map(|&x| view.seen(x)).collect();
     let own = area(&corners);
+    // What the face sweeps along its normal.
+    let [mut lower, mut upper] = [[f64::INFINITY; 3], [f64::NEG_INFINITY; 3]];
+    for x in corners.iter().map(|&corner| view.point(corner)) {
+        for (axis, (x, way)) in Point::from(x).into_iter().zip(Point::from(view.normal * limit)).enumerate() {
+            lower[axis] = lower[axis].min(x - way.abs());
+            upper[axis] = upper[axis].max(x + way.abs());
+        }
+    }
     let parts = convex_parts(corners);
-    let (lower, upper) = face.bounds();
-    let (lower, upper) = (Point::from(lower), Point::from(upper));
     let CutScratch { near, piece, clipped, layers } = scratch;
     layers.clear();
-    index.facets_near(lower.map(|x| x - limit), upper.map(|x| x + limit), near);
+    index.facets_near(lower, upper, near);
     let start = points.len();
     let (mut seen, mut unplaced) = (Vec::new(), 0);
     for &facet in near.iter() {
@@ -164,6 +171,7 @@ pub fn cut(
             }
             layers.push(Layer { facet, over, deepest });
             let Some(deepest) = deepest else { continue };
+            let limit = limit_of(facet);
             for (place, weight) in places {
                 let x = view.point(place);
                 let Some(height) = height_over(&shape, x, view.normal) else { continue };
@@ -534,8 +542,15 @@ mod tests {
             let mut points = Vec::new();
             let anywhere = |_| Some(f64::INFINITY);
             let everywhere = |_| rule;
-            let within = |limit| Cutting { rule: &everywhere, limit, depth: &anywhere, hides_behind: true };
-            cut(&face, &face, nothing, &index, within(0.5), &mut CutScratch::default(), &mut points);
+            let within = |limit, limit_of| Cutting {
+                rule: &everywhere,
+                limit,
+                limit_of,
+                depth: &anywhere,
+                hides_behind: true,
+            };
+            let (scratch, wide) = (&mut CutScratch::default(), within(0.5, &|_| 0.5));
+            cut(&face, &face, nothing, &index, wide, scratch, &mut points);
             let sum: f64 = points.iter().map(|point| point.weight).sum();
             assert!((sum - face.area_vector().norm()).abs() < 1e-12, "{sum}");
             for point in &points {
@@ -544,8 +559,11 @@ mod tests {
                 assert_eq!(point.facet, cell(x[0]) + 3 * cell(x[1]));
             }
             let mut none = Vec::new();
-            cut(&face, &face, nothing, &index, within(0.05), &mut CutScratch::default(), &mut none);
+            cut(&face, &face, nothing, &index, within(0.05, &|_| 0.05), scratch, &mut none);
             assert!(none.is_empty(), "beyond the limit");
+            let of_one = |facet| if facet == 4 { 0.5 } else { 0.05 };
+            cut(&face, &face, nothing, &index, within(0.5, &of_one), scratch, &mut none);
+            assert!(!none.is_empty() && none.iter().all(|point| point.facet == 4), "each has its own");
         }
     }
 }

@@ -399,7 +399,16 @@ impl FaceInterface {
             None => Some(f64::INFINITY),
         };
         let rule = |facet| self.carriers.rule((k, facet), self.options.rule);
-        let cutting = Cutting { rule: &rule, limit, depth: &depth, hides_behind: self.own.is_none() };
+        let is_given = self.own.is_some() || self.options.interface.distance_limit.is_some();
+        let extent = face.extent();
+        let limit_of = |facet| if is_given { limit } else { extent + index.shape(facet).extent() };
+        let cutting = Cutting {
+            rule: &rule,
+            limit,
+            limit_of: &limit_of,
+            depth: &depth,
+            hides_behind: self.own.is_none(),
+        };
         let mut points = Vec::new();
         let unplaced = cut(&face, &first, functions, index, cutting, scratch, &mut points);
         let carrying = |point: &FacePoint| &self.carriers.facets[point.facet as usize];

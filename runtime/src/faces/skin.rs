@@ -15,6 +15,9 @@ use crate::surface::{Facet, Image, MasterSurface, Symmetry, SymmetryPlane, shape
 use crate::vector::Vector3;
 use crate::{Basis, Mode, Point, Weight};
 
+/// A place where the ω of a node is 1 up to this is that of the node.
+const AT_A_NODE: f64 = 1e-13;
+
 /// Points of interpolation of a quadrilateral, of a triangle six.
 const MOST_POINTS: usize = 9;
 
@@ -235,7 +238,16 @@ fn weights_at(
         [1.0, a, b, a * a, a * b, b * b]
     };
     let rows: Vec<[f64; 6]> = points.positions.iter().map(|&x| monomials(x)).collect();
-    let weights: Vec<f64> = points.nodes.iter().map(|node| weight.fitting(node.distance())).collect();
+    let mut weights: Vec<f64> = points.nodes.iter().map(|node| weight.fitting(node.distance())).collect();
+    if weight.is_interpolating() {
+        // ω/(1 − ω), over that of the nearest.
+        let nearest = weights.iter().fold(0.0, |nearest: f64, &fitting| nearest.max(fitting));
+        if 1.0 - nearest < AT_A_NODE {
+            weights.iter_mut().for_each(|own| *own = f64::from(u8::from(*own == nearest)));
+            return Some(carried(points, weights));
+        }
+        weights.iter_mut().for_each(|own| *own *= (1.0 - nearest) / (1.0 - *own));
+    }
     let mut matrix = [[0.0; 6]; 6];
     for (row, weight) in rows.iter().zip(&weights) {
         for i in 0..size {
@@ -246,12 +258,16 @@ fn weights_at(
     }
     let coefficients = solve_for_first(matrix, size)?;
     let value = |row: &[f64; 6]| (0..size).map(|i| row[i] * coefficients[i]).sum::<f64>();
-    let weights = rows.iter().zip(&weights).map(|(row, weight)| weight * value(row));
+    Some(carried(points, rows.iter().zip(&weights).map(|(row, weight)| weight * value(row))))
+}
+
+/// What carriers have of a place that the points have these weights of.
+fn carried(points: &PointsWithinReach, weights: impl IntoIterator<Item = f64>) -> Vec<(Carrier, f64)> {
     let parts =
         points.sources.iter().zip(weights).flat_map(|(point, weight)| {
             point.carriers().map(move |(carrier, part)| (carrier, part * weight))
         });
-    Some(parts.collect())
+    parts.collect()
 }
 
 /// The first column of the inverse of a symmetric positive definite matrix, by Cholesky's factors.
@@ -275,4 +291,38 @@ fn solve_for_first(mut a: [[f64; 6]; 6], size: usize) -> Option<[f64; 6]> {
         x[i] = (x[i] - (i + 1..size).map(|k| a[k][i] * x[k]).sum::<f64>()) / a[i][i];
     }
     Some(x)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Without friction's anchors and images, what nodes have of a point is what puts it where the kernels' foot is.
+    #[test]
+    fn the_weights_of_a_fit_make_its_foot() {
+        let height = |x: f64, y: f64| 0.3 * (0.8 * x).sin() * (0.7 * y).cos();
+        let place = |k: usize| [(k % 9) as f64, (k / 9) as f64];
+        let mut positions: Vec<Point> = (0..81).map(place).map(|[x, y]| [x, y, height(x, y)]).collect();
+        let corner = |cell: usize| cell % 8 + 9 * (cell / 8);
+        let facets = (0..64).map(corner).map(|k| Facet::Quadrilateral([k, k + 1, k + 10, k + 9])).collect();
+        positions.extend([[3.5, 4.2, 0.1], [3.0, 4.0, height(3.0, 4.0)], [0.2, 0.1, 0.0], [5.01, 4.0, -0.1]]);
+        let surface: MasterSurface = MasterSurface::new(&positions, facets).unwrap();
+        for weight in Weight::ALL {
+            let options = own_options(&InterfaceOptions::default(), weight);
+            let slaves: Vec<usize> = (81..positions.len()).collect();
+            let mut own =
+                ContactInterface::new(surface.clone(), slaves.clone(), &[], &positions, options).unwrap();
+            own.refresh_pairing(&positions).unwrap();
+            own.evaluate(Mode::Value).unwrap();
+            for k in 0..slaves.len() {
+                let weights = fit(&own, weight, k).unwrap();
+                let sum = weights.iter().fold(Vector3::zeros(), |sum, &(carrier, part)| {
+                    sum + Vector3::from(positions[carrier.node as usize]) * part
+                });
+                let foot = Vector3::from(own.contacts().get(k).point.foot);
+                let along = sum - foot;
+                assert!(along.norm() < 1e-9, "{weight:?} {k} {along:?}");
+            }
+        }
+    }
 }

@@ -13,7 +13,7 @@ use crate::{ContactPoint, Mode};
 /// Numbers lie in flat buffers that an interface reuses from one evaluation to the next.
 #[derive(Clone, Debug)]
 pub struct Contacts {
-    layout: Arc<Layout>,
+    pub(super) layout: Arc<Layout>,
     slots: Results,
     /// Whether there can be slips.
     friction: Result<(), AssemblyError>,

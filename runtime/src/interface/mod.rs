@@ -85,6 +85,8 @@ mod scratch;
 mod window;
 mod within_reach;
 
+use std::sync::Arc;
+
 pub use accept::FrictionReport;
 pub use anchors::{Anchor, split_history};
 pub(crate) use anchors::{from_numbers, to_numbers};
@@ -234,6 +236,13 @@ impl ContactInterface {
     /// Master nodes listed with the `k`-th slave.
     pub(crate) fn listed(&self, k: usize) -> &[u32] {
         self.pairings.layout.masters(k)
+    }
+
+    /// The first slave whose list is another than at the last evaluation.
+    pub(crate) fn listed_anew(&self) -> Option<usize> {
+        let (now, then) = (&self.pairings.layout, &self.contacts.layout);
+        let is_other = |&k: &usize| k >= then.len() || now.masters(k) != then.masters(k);
+        (!Arc::ptr_eq(now, then)).then(|| self.pairings.all().find(is_other)).flatten()
     }
 
     /// What the last [`evaluate`](Self::evaluate) returned; empty before. A refresh or an update leaves it as it is.

@@ -53,6 +53,19 @@ fn of_layers_of_the_master_the_nearest_carries() {
     }
 }
 
+/// A large facet elsewhere on the master makes others reach no farther: a face that lies deep below them touches nothing.
+#[test]
+fn a_face_reaches_as_far_as_itself_and_the_facet_over_it() {
+    let mut pair = Pair::new([6, 4], false, |x, y| [x, y, 0.0], |x, y| [x, y, -3.5]);
+    let first = pair.positions.len();
+    pair.positions.extend([[20.0, 0.0, 0.0], [70.0, 0.0, 0.0], [70.0, 50.0, 0.0], [20.0, 50.0, 0.0]]);
+    pair.master.push(Facet::Quadrilateral([0, 1, 2, 3].map(|k| first + k)));
+    for element in elements() {
+        let nodes = nodes_of(element, &pair.master, &pair.slave, &pair.positions);
+        assert!(nodes.iter().all(|node| node.area == 0.0), "{element:?}");
+    }
+}
+
 /// Two plates on one another, each with its whole skin: the far side of the upper one is inside nothing.
 #[test]
 fn nothing_is_touched_through_a_plate() {

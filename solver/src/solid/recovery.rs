@@ -3,7 +3,7 @@
 use nalgebra::Matrix3;
 use rayon::prelude::*;
 
-use super::{Element, Solid, SolidError};
+use super::{Element, PIECE, Solid, SolidError};
 use crate::material::PointState;
 
 /// What is known of the material at an integration point.

@@ -12,7 +12,8 @@ impl CsrMap {
     /// this takes less memory than [`Mode::Hessian`]. The numbers are the same, bit for bit.
     ///
     /// # Errors
-    /// As [`fill`](Self::fill), as [`InterfaceError::Law`]; [`AssemblyError::DerivativeLength`] for contacts that were evaluated in
+    /// As [`fill`](Self::fill), as [`InterfaceError::Law`]: [`AssemblyError::PatternMismatch`] also where lists have been made anew since
+    /// the evaluation; [`AssemblyError::DerivativeLength`] for contacts that were evaluated in
     /// [`Mode::Value`]; [`InterfaceError::OutOfMemory`], after which the contents of `values` are unspecified, too.
     pub fn fill_from(
         &self,
@@ -44,6 +45,9 @@ impl CsrMap {
         from_zero: bool,
     ) -> Result<usize, InterfaceError> {
         let contacts = interface.contacts();
+        if let Some(element) = interface.listed_anew() {
+            return Err(AssemblyError::PatternMismatch { element }.into());
+        }
         let needs_second = law.tangent == Tangent::Exact || law.friction.is_some();
         if !needs_second || contacts.mode() >= Mode::Hessian {
             let summed =

@@ -648,7 +648,8 @@ enum dc_status dc_set_symmetry(struct dc_interface *interface,
                                const double *planes,
                                size_t plane_count);
 
-// Takes over the positions of the next evaluation, x, y, z of all nodes. The pairing stays. Call it, or dc_follow, in every iteration.
+// Takes over the positions of the next evaluation, x, y, z of all nodes. The pairing stays. Call dc_follow in every iteration: with
+// DC_DOMAINS a slave that slides by more than half the skin of its list, see dc_refresh, lacks nodes after a mere dc_update.
 //
 // # Safety
 // `positions` has 3 `node_count` entries.
@@ -656,9 +657,9 @@ enum dc_status dc_update(struct dc_interface *interface,
                          const double *positions,
                          size_t node_count);
 
-// As dc_update, but with DC_DOMAINS the lists of nodes follow: if something has moved too far for them, see dc_refresh, they are made
-// anew. A slave stays with its side of the surface. `rebuilt`, which may be NULL, gets whether they were, 0 or 1: patterns of before
-// are no longer theirs then.
+// As dc_update, but with DC_DOMAINS the lists of nodes follow: where something has moved too far for them, see dc_refresh, they are made
+// anew. A slave stays with its side of the surface. `rebuilt`, which may be NULL, gets whether they are others now, 0 or 1: patterns of
+// before are no longer theirs then.
 //
 // DC_FROZEN while the interface is frozen: it did what dc_update does.
 //
@@ -672,9 +673,9 @@ enum dc_status dc_follow(struct dc_interface *interface,
 // Takes over the positions and pairs every slave. Call it once an increment. `report` may be NULL; its field `size` has to be set.
 //
 // With DC_DOMAINS lists of nodes are kept while nothing has moved by more than half their skin, 0.06 of the shortest half axis of their
-// domains, nor so far that another sheet may be the closest one. New lists of the same sheet change no gap, and jump_node is -1. Domains
-// lie in the configuration of dc_create and are never renewed: they turn and stretch with the master. The first refresh of an increment is
-// followed by dc_follow in its iterations.
+// domains, nor so far that another sheet may be the closest one. New lists of the same sheet change no gap; where the sheet is another
+// one jump_node, lost_node or gained_node tell. Domains lie in the configuration of dc_create and are never renewed: they turn and
+// stretch with the master. The first refresh of an increment is followed by dc_follow in its iterations.
 //
 // DC_FROZEN while the interface is frozen: it did what dc_update does, and the report is empty.
 //

@@ -62,6 +62,7 @@ pub mod deck;
 mod distinct;
 pub mod material;
 pub mod model;
+mod named;
 pub mod output;
 pub mod report;
 pub mod solid;

@@ -465,6 +465,13 @@ impl Interaction {
 
     /// Whether it presses the same two surfaces together as another one, in whichever roles.
     pub(super) fn is_of_the_surfaces_of(&self, other: &Self) -> bool {
+        // The least node of each side tells nearly all others apart.
+        let least = |own: &Self| {
+            let (slave, master) = own.facets.split_at(own.slave_facets);
+            let of = |side: &[Facet]| side.iter().flat_map(Facet::corners).min().copied();
+            let (one, two) = (of(slave), of(master));
+            (one.min(two), one.max(two))
+        };
         let sides = |own: &Self| {
             let (slave, master) = own.facets.split_at(own.slave_facets);
             let mut sides = [slave, master].map(|side| {
@@ -475,7 +482,7 @@ impl Interaction {
             sides.sort_unstable();
             sides
         };
-        self.facets.len() == other.facets.len() && sides(self) == sides(other)
+        self.facets.len() == other.facets.len() && least(self) == least(other) && sides(self) == sides(other)
     }
 
     /// Mean size of the slave's facets at the start, length.

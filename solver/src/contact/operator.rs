@@ -4,6 +4,7 @@ use std::cell::RefCell;
 
 use diffuse_contact::assembly::{AssemblyError, TangentOperator};
 
+use crate::named::named;
 use crate::system::Operator;
 
 /// How the tangent of contact takes part in linear systems.
@@ -16,18 +17,7 @@ pub enum ContactTangent {
     Operator,
 }
 
-impl ContactTangent {
-    /// All of them.
-    pub const ALL: [Self; 2] = [Self::Assembled, Self::Operator];
-
-    /// Name in decks.
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::Assembled => "assembled",
-            Self::Operator => "operator",
-        }
-    }
-}
+named!(ContactTangent { Assembled => "assembled", Operator => "operator" });
 
 /// −f M of all contacts that carry force.
 #[derive(Debug)]

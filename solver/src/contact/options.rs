@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use crate::named::named;
 use diffuse_contact::assembly::Tangent;
 use diffuse_contact::faces::{FaceRule, QuadraticFace};
 use diffuse_contact::friction::{DecayingCoefficient, TabulatedCoefficient};
@@ -39,18 +40,7 @@ pub enum RefreshRule {
     Iteration,
 }
 
-impl RefreshRule {
-    /// All of them.
-    pub const ALL: [Self; 2] = [Self::Increment, Self::Iteration];
-
-    /// Name in decks.
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::Increment => "increment",
-            Self::Iteration => "iteration",
-        }
-    }
-}
+named!(RefreshRule { Increment => "increment", Iteration => "iteration" });
 
 /// Which tangent of contact a linear solution has.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -64,19 +54,13 @@ pub enum TangentRule {
     GaussNewton,
 }
 
+named!(TangentRule {
+    Adaptive => "adaptive",
+    Exact => Tangent::Exact.name(),
+    GaussNewton => Tangent::GaussNewton.name(),
+});
+
 impl TangentRule {
-    /// All of them.
-    pub const ALL: [Self; 3] = [Self::Adaptive, Self::Exact, Self::GaussNewton];
-
-    /// Name in decks.
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::Adaptive => "adaptive",
-            Self::Exact => Tangent::Exact.name(),
-            Self::GaussNewton => Tangent::GaussNewton.name(),
-        }
-    }
-
     /// The tangent at a state with these norms of the residual and of the forces.
     pub fn at(self, residual: f64, force: f64) -> Tangent {
         match self {

@@ -69,7 +69,7 @@ pub(super) fn pressure(section: Section, end: f64) -> Result<Pressure, DeckError
         line: section.line(),
         surfaces: references(&section.need("surface")?)?,
         value: section.need("value")?.number()?,
-        follower: section.get("follower").map_or(Ok(false), |field| field.flag())?,
+        follower: section.or("follower", false, Field::flag)?,
         amplitude: amplitude(&section, end)?,
     })
 }

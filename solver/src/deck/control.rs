@@ -1,9 +1,10 @@
 //! `[time]`, `[newton]` and `[output]`.
 
 use super::error::DeckError;
-use super::reader::Section;
+use super::reader::{Field, Section};
 use super::{Interface, schema};
 use crate::contact::{ContactTangent, Integration};
+use crate::named::named;
 use crate::statics::{Extrapolation, NewtonSettings, TimeSettings};
 use crate::system::LinearSolverChoice;
 
@@ -41,32 +42,23 @@ pub enum Colour {
     Pressure,
 }
 
-impl Colour {
-    /// All of them.
-    pub const ALL: [Self; 5] =
-        [Self::Displacement, Self::VonMises, Self::PlasticStrain, Self::Gap, Self::Pressure];
-
-    /// Name in decks.
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::Displacement => "displacement",
-            Self::VonMises => "von_mises",
-            Self::PlasticStrain => "plastic_strain",
-            Self::Gap => "gap",
-            Self::Pressure => "pressure",
-        }
-    }
-}
+named!(Colour {
+    Displacement => "displacement",
+    VonMises => "von_mises",
+    PlasticStrain => "plastic_strain",
+    Gap => "gap",
+    Pressure => "pressure",
+});
 
 /// Increments below this part of the whole time are not asked for: there would be more than 32 bits can count.
 const SMALLEST_INCREMENT: f64 = 1e-9;
 
 pub(super) fn time(deck: &Section) -> Result<TimeSettings, DeckError> {
     let section = deck.need_table("time")?.section()?.expect(schema::TIME)?;
-    let end = section.get("end").map_or(Ok(1.0), |field| field.positive())?;
+    let end = section.or("end", 1.0, Field::positive)?;
     let sensible = |value| value >= SMALLEST_INCREMENT * end && value <= end;
     let increment = section.need("increment")?.number_in("from 1e-9 times end to end", sensible)?;
-    if section.get("fixed").map_or(Ok(false), |field| field.flag())? {
+    if section.or("fixed", false, Field::flag)? {
         section.refuse(&["minimum", "maximum", "growth", "cutback"], "beside fixed = true")?;
         return Ok(TimeSettings::fixed(end, increment));
     }
@@ -77,15 +69,13 @@ pub(super) fn time(deck: &Section) -> Result<TimeSettings, DeckError> {
         Some(field) => field.number_in("from 1e-9 times end to increment", within)?,
         None => time.minimum.max(SMALLEST_INCREMENT * end),
     };
-    if let Some(field) = section.get("maximum") {
-        time.maximum = field.number_in("from increment to end", above)?;
-    }
-    if let Some(field) = section.get("growth") {
-        time.growth = field.number_in("from 1 to 10", |value| (1.0..=10.0).contains(&value))?;
-    }
-    if let Some(field) = section.get("cutback") {
-        time.cutback = field.number_in("from 0.01 to 0.9", |value| (0.01..=0.9).contains(&value))?;
-    }
+    section.set("maximum", &mut time.maximum, |field| field.number_in("from increment to end", above))?;
+    section.set("growth", &mut time.growth, |field| {
+        field.number_in("from 1 to 10", |value| (1.0..=10.0).contains(&value))
+    })?;
+    section.set("cutback", &mut time.cutback, |field| {
+        field.number_in("from 0.01 to 0.9", |value| (0.01..=0.9).contains(&value))
+    })?;
     Ok(time)
 }
 
@@ -93,34 +83,21 @@ pub(super) fn newton(deck: &Section) -> Result<NewtonSettings, DeckError> {
     let mut newton = NewtonSettings::default();
     let Some(field) = deck.get("newton") else { return Ok(newton) };
     let section = field.section()?.expect(schema::NEWTON)?;
-    if let Some(field) = section.get("tolerance") {
-        newton.tolerance = field.number_in("above 0 and below 1", |value| value > 0.0 && value < 1.0)?;
-    }
+    section.set("tolerance", &mut newton.tolerance, |field| {
+        field.number_in("above 0 and below 1", |value| value > 0.0 && value < 1.0)
+    })?;
     if let Some(field) = section.get("absolute") {
         newton.absolute = Some(field.number_in("at least 0", |value| value >= 0.0)?);
     }
-    if let Some(field) = section.get("max_iterations") {
-        newton.max_iterations = field.positive_count()?;
-    }
-    if let Some(field) = section.get("few_iterations") {
-        newton.few_iterations = field.positive_count()?;
-    }
-    if let Some(field) = section.get("line_search") {
-        newton.line_search = field.flag()?;
-    }
-    if let Some(field) = section.get("extrapolation") {
-        newton.extrapolation = field.word(&Extrapolation::ALL.map(|rule| (rule.name(), rule)))?;
-    }
-    if let Some(field) = section.get("stabilisation") {
-        newton.stabilisation =
-            field.number_in("at least 0 and below 1", |value| (0.0..1.0).contains(&value))?;
-    }
-    if let Some(field) = section.get("linear_solver") {
-        newton.linear_solver = field.word(&LinearSolverChoice::ALL.map(|choice| (choice.name(), choice)))?;
-    }
-    if let Some(field) = section.get("contact_tangent") {
-        newton.contact_tangent = field.word(&ContactTangent::ALL.map(|form| (form.name(), form)))?;
-    }
+    section.set("max_iterations", &mut newton.max_iterations, Field::positive_count)?;
+    section.set("few_iterations", &mut newton.few_iterations, Field::positive_count)?;
+    section.set("line_search", &mut newton.line_search, Field::flag)?;
+    section.set("extrapolation", &mut newton.extrapolation, |field| field.word(Extrapolation::NAMED))?;
+    section.set("stabilisation", &mut newton.stabilisation, |field| {
+        field.number_in("at least 0 and below 1", |value| (0.0..1.0).contains(&value))
+    })?;
+    section.set("linear_solver", &mut newton.linear_solver, |field| field.word(LinearSolverChoice::NAMED))?;
+    section.set("contact_tangent", &mut newton.contact_tangent, |field| field.word(ContactTangent::NAMED))?;
     Ok(newton)
 }
 
@@ -154,14 +131,10 @@ pub(super) fn output(deck: &Section) -> Result<Output, DeckError> {
     let mut output = Output::default();
     let Some(field) = deck.get("output") else { return Ok(output) };
     let section = field.section()?.expect(schema::OUTPUT)?;
-    if let Some(field) = section.get("every") {
-        output.every = field.positive_count()?;
-    }
-    if let Some(field) = section.get("stress") {
-        output.stress = field.flag()?;
-    }
-    if let Some(field) = section.get("colour") {
-        output.colour = field.word(&Colour::ALL.map(|colour| (colour.name(), colour)))?;
-    }
+    section.set("every", &mut output.every, |field| field.positive_count())?;
+    section.set("stress", &mut output.stress, |field| field.flag())?;
+    section.set("colour", &mut output.colour, |field| {
+        field.word(&Colour::ALL.map(|colour| (colour.name(), colour)))
+    })?;
     Ok(output)
 }

@@ -15,6 +15,7 @@ use super::error::{DeckError, Problem};
 use super::reader::{Field, Section, Source};
 use super::{Reference, schema};
 use crate::contact::{Augmentation, Coefficient, Friction, Integration, RefreshRule, TangentRule};
+use crate::named::named;
 
 /// The element of every interface.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -27,19 +28,7 @@ pub enum Contact {
     None,
 }
 
-impl Contact {
-    /// All of them.
-    pub const ALL: [Self; 3] = [Self::Diffuse, Self::NodeToFacet, Self::None];
-
-    /// Name in decks.
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::Diffuse => "diffuse",
-            Self::NodeToFacet => "node-to-facet",
-            Self::None => "none",
-        }
-    }
-}
+named!(Contact { Diffuse => "diffuse", NodeToFacet => "node-to-facet", None => "none" });
 
 /// Surfaces that may touch.
 #[derive(Clone, Debug, PartialEq)]
@@ -93,19 +82,15 @@ impl Interface {
 }
 
 pub(super) fn contact(deck: &Section) -> Result<Contact, DeckError> {
-    let words = Contact::ALL.map(|contact| (contact.name(), contact));
-    deck.get("contact").map_or(Ok(Contact::Diffuse), |field| field.word(&words))
+    deck.or("contact", Contact::Diffuse, |field| field.word(Contact::NAMED))
 }
 
 /// An interface of a deck with this element.
 pub(super) fn interface(section: Section, contact: Contact) -> Result<Interface, DeckError> {
     let section = section.expect(schema::INTERFACE)?;
-    let flag = |field| section.get(field).map_or(Ok(false), |field| field.flag());
-    let refreshes = RefreshRule::ALL.map(|rule| (rule.name(), rule));
-    let tangents = TangentRule::ALL.map(|rule| (rule.name(), rule));
+    let flag = |field| section.or(field, false, Field::flag);
     let name = section.need("name")?;
-    let integration =
-        section.get("integration").map_or(Ok(Integration::Nodes), |field| integration(&field))?;
+    let integration = section.or("integration", Integration::Nodes, integration)?;
     if integration != Integration::Nodes {
         section.refuse(&["areas", "neighbours", "refresh"], "with integration over faces")?;
         if let Some(Ok(friction)) = section.get("friction").map(|field| field.section()) {
@@ -114,8 +99,7 @@ pub(super) fn interface(section: Section, contact: Contact) -> Result<Interface,
     }
     check_pressures(&section, integration)?;
     let surface = surface(&section)?;
-    let refresh =
-        section.get("refresh").map_or(Ok(RefreshRule::default()), |field| field.word(&refreshes))?;
+    let refresh = section.or("refresh", RefreshRule::default(), |field| field.word(RefreshRule::NAMED))?;
     let has_domains = matches!(surface.element, ContactElement::Diffuse { search, .. } if search.rule == NeighbourRule::Domains);
     if refresh == RefreshRule::Iteration && contact != Contact::NodeToFacet && has_domains {
         section.refuse(&["refresh"], "with nodal domains, by which slaves follow in every iteration")?;
@@ -140,9 +124,9 @@ pub(super) fn interface(section: Section, contact: Contact) -> Result<Interface,
         exchange: flag("exchange")?,
         surface,
         adjust: section.get("adjust").map(|field| field.positive()).transpose()?,
-        symmetry: section.get("symmetry").map_or(Ok(Vec::new()), |field| symmetry(&field))?,
+        symmetry: section.or("symmetry", Vec::new(), symmetry)?,
         refresh,
-        tangent: section.get("tangent").map_or(Ok(TangentRule::default()), |field| field.word(&tangents))?,
+        tangent: section.or("tangent", TangentRule::default(), |field| field.word(TangentRule::NAMED))?,
         friction: section.get("friction").map(|field| friction(&field)).transpose()?,
         integration,
     })
@@ -150,7 +134,7 @@ pub(super) fn interface(section: Section, contact: Contact) -> Result<Interface,
 
 /// Refuses what friction has in the unit of a pressure where slaves have forces alone.
 fn check_pressures(section: &Section, integration: Integration) -> Result<(), DeckError> {
-    let has_areas = section.get("areas").map_or(Ok(false), |field| field.flag())?;
+    let has_areas = section.or("areas", false, Field::flag)?;
     if integration != Integration::Nodes || section.get("penalty").is_none() || has_areas {
         return Ok(());
     }
@@ -177,8 +161,7 @@ fn penalty(section: &Section) -> Result<Option<f64>, DeckError> {
 
 fn surface(section: &Section) -> Result<InterfaceOptions, DeckError> {
     let mut options = InterfaceOptions::default();
-    let search =
-        section.get("neighbours").map_or(Ok(SearchOptions::domains()), |field| neighbours(&field))?;
+    let search = section.or("neighbours", SearchOptions::domains(), neighbours)?;
     options.element = ContactElement::diffuse(search);
     if let Some(field) = section.get("weight") {
         let weights = Weight::ALL.map(|weight| (weight.name(), weight));
@@ -189,23 +172,21 @@ fn surface(section: &Section) -> Result<InterfaceOptions, DeckError> {
         let frames = [("co-moving", FrameDerivative::CoMoving), ("held", FrameDerivative::Held)];
         options.element = options.element.with_frame(field.word(&frames)?);
     }
-    if let Some(field) = section.get("areas") {
-        options.areas = field.flag()?;
-    }
+    section.set("areas", &mut options.areas, Field::flag)?;
     if let Some(field) = section.get("feature_angle") {
         let is_angle = |value| (0.0..=180.0).contains(&value);
         options.feature_angle_degrees = field.number_in("from 0 to 180 degrees", is_angle)?;
     }
-    if let Some(field) = section.get("border_tolerance") {
-        options.border_tolerance = field.number_in("at least 0", |value| value >= 0.0)?;
-    }
+    section.set("border_tolerance", &mut options.border_tolerance, |field| {
+        field.number_in("at least 0", |value| value >= 0.0)
+    })?;
     options.distance_limit = section.get("distance_limit").map(|field| field.positive()).transpose()?;
     Ok(options)
 }
 
 fn augmentation(section: &Section) -> Result<Option<Augmentation>, DeckError> {
     let methods = [("penalty", false), ("augmented-lagrangian", true)];
-    if !section.get("method").map_or(Ok(false), |field| field.word(&methods))? {
+    if !section.or("method", false, |field| field.word(&methods))? {
         section.refuse(&["augmentation"], "without method = \"augmented-lagrangian\"")?;
         return Ok(None);
     }
@@ -216,9 +197,7 @@ fn augmentation(section: &Section) -> Result<Option<Augmentation>, DeckError> {
 fn rounds(field: &Field) -> Result<Augmentation, DeckError> {
     let section = field.section()?.expect(schema::AUGMENTATION)?;
     let mut augmentation = Augmentation::new(section.need("tolerance")?.positive()?);
-    if let Some(field) = section.get("max") {
-        augmentation.max_rounds = field.positive_count()?;
-    }
+    section.set("max", &mut augmentation.max_rounds, Field::positive_count)?;
     Ok(augmentation)
 }
 
@@ -227,7 +206,7 @@ fn friction(field: &Field) -> Result<Friction, DeckError> {
     let Ok(section) = field.section() else { return Ok(Friction::new(constant(field)?)) };
     let section = section.expect(schema::FRICTION)?;
     let stiffness = section.get("stiffness").map(|field| field.positive()).transpose()?;
-    let is_symmetric = section.get("symmetric").map_or(Ok(false), |field| field.flag())?;
+    let is_symmetric = section.or("symmetric", false, Field::flag)?;
     let limit = section.get("shear_limit").map(|field| field.positive()).transpose()?;
     let augmentation = section.get("augmentation").map(|field| rounds(&field)).transpose()?;
     let friction = Friction::new(coefficient(&section.need("coefficient")?)?)
@@ -257,7 +236,7 @@ fn coefficient(field: &Field) -> Result<Coefficient, DeckError> {
         return Ok(Coefficient::Decaying(law.map_err(refused)?));
     }
     section.refuse(&["static", "kinetic", "decay"], "beside values")?;
-    let axis = |name: &str| section.get(name).map_or(Ok(vec![0.0]), |field| ascending(&field));
+    let axis = |name: &str| section.or(name, vec![0.0], ascending);
     let (pressures, rates) = (axis("pressures")?, axis("rates")?);
     let values = coefficients(&section.need("values")?, pressures.len(), rates.len())?;
     let law = TabulatedCoefficient::new(&pressures, &rates, &values).map_err(refused)?;
@@ -340,7 +319,7 @@ fn neighbours(field: &Field) -> Result<SearchOptions, DeckError> {
         ("hull-radius", NeighbourRule::hull_radius(layers)),
         ("nearest", NeighbourRule::nearest(layers.unwrap_or(DEFAULT_NEIGHBOURS))),
     ];
-    let rule = section.get("rule").map_or(Ok(NeighbourRule::Domains), |field| field.word(&words))?;
+    let rule = section.or("rule", NeighbourRule::Domains, |field| field.word(&words))?;
     if rule == NeighbourRule::Domains {
         section.refuse(&["count", "regularity"], "with rule = \"domains\"")?;
     }
@@ -351,8 +330,8 @@ fn neighbours(field: &Field) -> Result<SearchOptions, DeckError> {
     }
     let defaults = SearchOptions::default();
     let fraction =
-        |field: Field| field.number_in("at least 0 and below 1", |value| (0.0..1.0).contains(&value));
-    let smallest_regularity = section.get("regularity").map_or(Ok(defaults.smallest_regularity), fraction)?;
+        |field: &Field| field.number_in("at least 0 and below 1", |value| (0.0..1.0).contains(&value));
+    let smallest_regularity = section.or("regularity", defaults.smallest_regularity, fraction)?;
     Ok(defaults.with_rule(rule).with_smallest_regularity(smallest_regularity))
 }
 

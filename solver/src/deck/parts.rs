@@ -80,7 +80,7 @@ pub(super) fn part(name: &str, section: &Section) -> Result<PartEntry, DeckError
         Some(field) => vec![placed(&field)?],
         None => Vec::new(),
     };
-    let translation = section.get("translate").map_or(Ok([0.0; 3]), |field| field.vector())?;
+    let translation = section.or("translate", [0.0; 3], Field::vector)?;
     let (element, incompatible_modes) = match (&source, section.get("element")) {
         (PartSource::Shape(_), Some(field)) => {
             let (element, incompatible_modes) = shape_element(&field)?;
@@ -131,7 +131,7 @@ pub(super) fn rotation(section: &Section) -> Result<Rotation, DeckError> {
     if axis.iter().all(|&x| x == 0.0) {
         return Err(field.out_of_range("a direction: at least one component other than 0", 0.0));
     }
-    let point = section.get("point").map_or(Ok([0.0; 3]), |field| field.vector())?;
+    let point = section.or("point", [0.0; 3], Field::vector)?;
     Ok(Rotation { axis, point, degrees: section.need("degrees")?.number()? })
 }
 
@@ -278,7 +278,7 @@ fn read_shape(name: &str, section: &ShapeSection) -> Result<Shape, DeckError> {
         }),
         // "box" and "plate"
         _ => Shape::Block(Block {
-            origin: section.0.get("origin").map_or(Ok([0.0; 3]), |field| field.vector())?,
+            origin: section.0.or("origin", [0.0; 3], Field::vector)?,
             size: section.0.need("size")?.vector()?,
             divisions: section.counts("divisions")?,
             grading: section.gradings()?,
@@ -289,7 +289,7 @@ fn read_shape(name: &str, section: &ShapeSection) -> Result<Shape, DeckError> {
 /// A piece of a strip's path: straight with a length, or an arc with radius and angle.
 fn piece(field: &Field) -> Result<StripPiece, DeckError> {
     let section = field.section()?.expect(schema::PIECE)?;
-    let rise = section.get("rise").map_or(Ok(0.0), |field| field.number())?;
+    let rise = section.or("rise", 0.0, Field::number)?;
     let piece = match section.get("length") {
         Some(length) => {
             section.refuse(&["radius", "degrees"], "beside length")?;
@@ -316,7 +316,7 @@ impl ShapeSection<'_> {
     }
 
     fn number_or(&self, field: &str, default: f64) -> Result<f64, DeckError> {
-        self.0.get(field).map_or(Ok(default), |field| field.number())
+        self.0.or(field, default, Field::number)
     }
 
     fn counts<const N: usize>(&self, field: &'static str) -> Result<[usize; N], DeckError> {
@@ -325,16 +325,16 @@ impl ShapeSection<'_> {
     }
 
     fn gradings(&self) -> Result<[f64; 3], DeckError> {
-        self.0.get("grading").map_or(Ok([1.0; 3]), |field| field.vector())
+        self.0.or("grading", [1.0; 3], Field::vector)
     }
 
     fn angles(&self, field: &str) -> Result<[f64; 2], DeckError> {
-        self.0.get(field).map_or(Ok([0.0, 360.0]), |field| field.numbers("a list of two angles"))
+        self.0.or(field, [0.0, 360.0], |field| field.numbers("a list of two angles"))
     }
 
     fn axis(&self) -> Result<Axis, DeckError> {
         let words = [Axis::X, Axis::Y, Axis::Z].map(|axis| (axis.name(), axis));
-        self.0.get("axis").map_or(Ok(Axis::Z), |field| field.word(&words))
+        self.0.or("axis", Axis::Z, |field| field.word(&words))
     }
 
     fn keep(&self) -> Result<Vec<HalfSpace>, DeckError> {
@@ -349,11 +349,11 @@ impl ShapeSection<'_> {
 
     fn facets(&self) -> Result<Facets, DeckError> {
         let words = [("quadrilaterals", Facets::Quadrilaterals), ("triangles", Facets::Triangles)];
-        self.0.get("facets").map_or(Ok(Facets::default()), |field| field.word(&words))
+        self.0.or("facets", Facets::default(), |field| field.word(&words))
     }
 
     fn side(&self) -> Result<Side, DeckError> {
         let words = [("outside", Side::Outside), ("inside", Side::Inside)];
-        self.0.get("side").map_or(Ok(Side::default()), |field| field.word(&words))
+        self.0.or("side", Side::default(), |field| field.word(&words))
     }
 }

@@ -65,6 +65,29 @@ impl<'a> Section<'a> {
         Some(Field { source: self.source, name, at: value.span(), value: value.get_ref() })
     }
 
+    /// What a field says, or this where it is not there.
+    pub fn or<T>(
+        &self,
+        field: &str,
+        default: T,
+        read: impl FnOnce(&Field<'a>) -> Result<T, DeckError>,
+    ) -> Result<T, DeckError> {
+        self.get(field).map_or(Ok(default), |field| read(&field))
+    }
+
+    /// Takes over what a field says, if it is there.
+    pub fn set<T>(
+        &self,
+        field: &str,
+        value: &mut T,
+        read: impl FnOnce(&Field<'a>) -> Result<T, DeckError>,
+    ) -> Result<(), DeckError> {
+        if let Some(field) = self.get(field) {
+            *value = read(&field)?;
+        }
+        Ok(())
+    }
+
     /// The field.
     pub fn need(&self, field: &'static str) -> Result<Field<'a>, DeckError> {
         self.need_what("field", field)

@@ -11,8 +11,7 @@ use super::error::{DeckError, Problem};
 use super::{Boundary, Deck, Interface, PartEntry, PartSource, Reference};
 use crate::distinct::distinct;
 use crate::model::{
-    Amplitude, Conflict, Materials, Model, ModelError, Part, Support, Supports, read_rigid_part,
-    read_solid_part, shared_nodes,
+    Amplitude, Conflict, Materials, Meshes, Model, ModelError, Part, Support, Supports, shared_nodes,
 };
 
 const AXES: [&str; 3] = ["x", "y", "z"];
@@ -48,11 +47,12 @@ impl Deck {
     /// [`DeckError::Invalid`].
     pub fn model(&self, base: impl AsRef<Path>) -> Result<Model, DeckError> {
         let mut model = Model::default();
-        let mut from_files = Vec::new();
+        let (mut from_files, mut meshes) = (Vec::new(), Meshes::default());
         for entry in &self.parts {
             let failed = |error| self.error(entry.line, Problem::Part { part: entry.name.clone(), error });
             let materials = self.materials(&entry.materials)?;
-            let mut part = entry.part(base.as_ref()).map_err(|problem| self.error(entry.line, *problem))?;
+            let part = entry.part(base.as_ref(), &mut meshes);
+            let mut part = part.map_err(|problem| self.error(entry.line, *problem))?;
             if let PartSource::Solid { file, instance, .. } = &entry.source {
                 let nodes = std::mem::take(&mut part.node_labels);
                 let file = base.as_ref().join(file);
@@ -228,7 +228,7 @@ impl Deck {
 
 impl PartEntry {
     /// The mesh, in its place.
-    fn part(&self, base: &Path) -> Result<Part, Box<Problem>> {
+    fn part(&self, base: &Path, meshes: &mut Meshes) -> Result<Part, Box<Problem>> {
         let name = || self.name.clone();
         let failed = |error: ModelError| Box::new(Problem::Part { part: name(), error });
         let mut part = match &self.source {
@@ -236,10 +236,11 @@ impl PartEntry {
                 shape.part(self.element).map_err(|error| Box::new(Problem::Shape { part: name(), error }))?
             }
             PartSource::Solid { file, instance, elements } => {
-                read_solid_part(&base.join(file), instance.as_deref(), elements.as_deref()).map_err(failed)?
+                let (instance, elements) = (instance.as_deref(), elements.as_deref());
+                meshes.solid_part(&base.join(file), instance, elements).map_err(failed)?
             }
             PartSource::Rigid { file, instance, surface } => {
-                read_rigid_part(&base.join(file), instance.as_deref(), surface).map_err(failed)?
+                meshes.rigid_part(&base.join(file), instance.as_deref(), surface).map_err(failed)?
             }
         };
         if let Some(has) = self.incompatible_modes {

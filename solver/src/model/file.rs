@@ -1,7 +1,8 @@
 //! Parts from mesh files.
 
+use std::collections::hash_map::Entry;
 use std::collections::{BTreeMap, HashMap};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use diffuse_contact::surface::Facet;
 use diffuse_contact_mesh::{self as mesh, Mesh};
@@ -35,7 +36,10 @@ pub fn read_solid_part(
     instance: Option<&str>,
     elements: Option<&str>,
 ) -> Result<Part, ModelError> {
-    let mesh = read(path, instance)?;
+    Meshes::default().solid_part(path, instance, elements)
+}
+
+fn solid_part(mesh: &Mesh, elements: Option<&str>) -> Result<Part, ModelError> {
     if elements.is_none()
         && let Some(solid) = mesh.unread_elements().iter().find(|element| may_be_solid(&element.kind))
     {
@@ -65,13 +69,13 @@ pub fn read_solid_part(
         return Err(ModelError::NoSolids { set: elements.map(String::from) });
     }
     solids.set_incompatible_modes(|k| incompatible[k]);
-    let part = Subset::new(&mesh, solids.nodes().iter().copied());
+    let part = Subset::new(mesh, solids.nodes().iter().copied());
     let elements = solids.renumbered(|node| part.number[node]);
     // A facet of the file that lies on the skin is taken as the skin has it.
     let outward: BTreeMap<Vec<usize>, Facet> =
         elements.skin().into_iter().map(|facet| (sorted(facet.corners()), facet)).collect();
     let (surfaces, inner_facets) =
-        part.surfaces(&mesh, |facet| outward.get(&sorted(facet.corners())).copied());
+        part.surfaces(mesh, |facet| outward.get(&sorted(facet.corners())).copied());
     let place: HashMap<usize, usize> =
         places.iter().enumerate().map(|(own, &element)| (element, own)).collect();
     let own =
@@ -91,7 +95,7 @@ pub fn read_solid_part(
         inner_facets,
         unread_constraints,
         node_labels,
-        ..part.into_part(&mesh)
+        ..part.into_part(mesh)
     })
 }
 
@@ -107,23 +111,55 @@ fn holds(sets: &BTreeMap<String, Vec<usize>>, constraint: &mesh::UnreadConstrain
 /// # Errors
 /// [`ModelError`]: the file cannot be read, or there is no such set, or it has no facets.
 pub fn read_rigid_part(path: &Path, instance: Option<&str>, surface: &str) -> Result<Part, ModelError> {
-    let mesh = read(path, instance)?;
+    Meshes::default().rigid_part(path, instance, surface)
+}
+
+fn rigid_part(mesh: &Mesh, surface: &str) -> Result<Part, ModelError> {
     let chosen = mesh.facets(surface)?;
-    let part = Subset::new(&mesh, chosen.iter().flat_map(mesh::Facet::nodes).copied());
+    let part = Subset::new(mesh, chosen.iter().flat_map(mesh::Facet::nodes).copied());
     let facets: Vec<Facet> = chosen.iter().filter_map(|facet| part.facet(facet)).collect();
     let own: BTreeMap<Vec<usize>, Facet> =
         facets.iter().map(|&facet| (sorted(facet.corners()), facet)).collect();
     // Facets between its nodes that are none of its own belong to other surfaces.
-    let (surfaces, _) = part.surfaces(&mesh, |facet| own.get(&sorted(facet.corners())).copied());
+    let (surfaces, _) = part.surfaces(mesh, |facet| own.get(&sorted(facet.corners())).copied());
     // Constraints are left out: a rigid part moves as one anyway.
-    Ok(Part { facets, surfaces, ..part.into_part(&mesh) })
+    Ok(Part { facets, surfaces, ..part.into_part(mesh) })
 }
 
-fn read(path: &Path, instance: Option<&str>) -> Result<Mesh, ModelError> {
-    Ok(match instance {
-        Some(instance) => Mesh::read_instance(path, instance)?,
-        None => Mesh::read(path)?,
-    })
+/// Mesh files that have been read: parts of one file share it.
+#[derive(Default)]
+pub(crate) struct Meshes(HashMap<(PathBuf, Option<String>), Mesh>);
+
+impl Meshes {
+    fn read(&mut self, path: &Path, instance: Option<&str>) -> Result<&Mesh, ModelError> {
+        Ok(match self.0.entry((path.to_owned(), instance.map(str::to_owned))) {
+            Entry::Occupied(known) => known.into_mut(),
+            Entry::Vacant(new) => new.insert(match instance {
+                Some(instance) => Mesh::read_instance(path, instance)?,
+                None => Mesh::read(path)?,
+            }),
+        })
+    }
+
+    /// As [`read_solid_part`].
+    pub fn solid_part(
+        &mut self,
+        path: &Path,
+        instance: Option<&str>,
+        elements: Option<&str>,
+    ) -> Result<Part, ModelError> {
+        solid_part(self.read(path, instance)?, elements)
+    }
+
+    /// As [`read_rigid_part`].
+    pub fn rigid_part(
+        &mut self,
+        path: &Path,
+        instance: Option<&str>,
+        surface: &str,
+    ) -> Result<Part, ModelError> {
+        rigid_part(self.read(path, instance)?, surface)
+    }
 }
 
 /// The nodes of a mesh that a part uses.

@@ -28,6 +28,7 @@ use crate::material::Material;
 
 pub use cells::{Cell, Cells};
 pub use error::{ModelError, ShapeError};
+pub(crate) use file::Meshes;
 pub use file::{read_rigid_part, read_solid_part};
 pub use joints::shared_nodes;
 pub use materials::Materials;

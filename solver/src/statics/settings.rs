@@ -2,6 +2,7 @@
 
 use super::{State, StaticsError};
 use crate::contact::ContactTangent;
+use crate::named::named;
 use crate::system::LinearSolverChoice;
 
 /// All settings of a run.
@@ -43,18 +44,7 @@ pub enum Extrapolation {
     Linear,
 }
 
-impl Extrapolation {
-    /// All of them.
-    pub const ALL: [Self; 2] = [Self::None, Self::Linear];
-
-    /// Name in decks.
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::None => "none",
-            Self::Linear => "linear",
-        }
-    }
-}
+named!(Extrapolation { None => "none", Linear => "linear" });
 
 /// Newton's method.
 #[derive(Clone, Copy, Debug, PartialEq)]

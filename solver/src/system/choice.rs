@@ -5,6 +5,7 @@ use super::{
     Accuracy, BlockMatrix, BlockPattern, DirectSolver, Equations, Geometry, IterativeReport, Operator,
     Symmetry, SystemError, solve_iteratively,
 };
+use crate::named::named;
 
 /// Below so many equations factors take milliseconds, however many they are.
 const FACTORS_BELOW: usize = 3_000;
@@ -26,19 +27,7 @@ pub enum LinearSolverChoice {
     Iterative,
 }
 
-impl LinearSolverChoice {
-    /// All of them.
-    pub const ALL: [Self; 3] = [Self::Auto, Self::Direct, Self::Iterative];
-
-    /// Name in decks.
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::Auto => "auto",
-            Self::Direct => "direct",
-            Self::Iterative => "iterative",
-        }
-    }
-}
+named!(LinearSolverChoice { Auto => "auto", Direct => "direct", Iterative => "iterative" });
 
 /// A system to solve.
 #[derive(Clone, Copy)]

@@ -133,8 +133,6 @@ pub(super) fn output(deck: &Section) -> Result<Output, DeckError> {
     let section = field.section()?.expect(schema::OUTPUT)?;
     section.set("every", &mut output.every, |field| field.positive_count())?;
     section.set("stress", &mut output.stress, |field| field.flag())?;
-    section.set("colour", &mut output.colour, |field| {
-        field.word(&Colour::ALL.map(|colour| (colour.name(), colour)))
-    })?;
+    section.set("colour", &mut output.colour, |field| field.word(Colour::NAMED))?;
     Ok(output)
 }

@@ -15,13 +15,13 @@ pub enum dc_outcome {
     DC_NOT_PAIRED = 1,
     /// Beyond distance_limit.
     DC_TOO_FAR = 2,
-    /// Too few masters on the slave's side of sharp edges.
+    /// Too few masters on the slave's side of sharp edges, or masters that carry no fit.
     DC_NO_CANDIDATE = 3,
-    /// The masters within reach carry no fit: they lie on a line or on a conic.
+    /// Of dc_pair's search alone: the masters lie on a line or on a conic. Elsewhere that is DC_NO_CANDIDATE.
     DC_ILL_CONDITIONED = 4,
     /// The foot lies beyond the border of the master, or beyond a sharp edge.
     DC_BEYOND_BORDER = 5,
-    /// The masters of the pairing no longer determine the surface: refresh.
+    /// The masters of the pairing no longer determine the surface, or too few of them are within reach: refresh.
     DC_SINGULAR_FIT = 6,
     /// The iteration for the foot did not converge.
     DC_FOOT_DIVERGED = 7,
@@ -90,7 +90,11 @@ pub fn with_code(code: &str) -> dc_outcome {
 }
 
 pub fn of(outcome: &Outcome) -> dc_outcome {
-    with_code(outcome.code())
+    match outcome.code() {
+        // Lists that are held have lost a slave that slides far.
+        "too-few-nodes" => dc_outcome::DC_SINGULAR_FIT,
+        code => with_code(code),
+    }
 }
 
 pub fn fallback_number(fallback: Fallback) -> i32 {

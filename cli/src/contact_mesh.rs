@@ -44,6 +44,9 @@ pub enum ContactMeshError {
     /// A set of the mesh cannot serve in a contact interface. The reason names facets and nodes as the file does.
     #[error("{mesh}: set \"{set}\": {reason}")]
     Interface { mesh: String, set: String, reason: String },
+    /// Options do not go together.
+    #[error("{0}")]
+    Options(&'static str),
 }
 
 impl From<ContactMeshError> for CliError {

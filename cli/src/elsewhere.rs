@@ -43,10 +43,15 @@ impl From<ElsewhereError> for CliError {
 /// Runs the other program with the arguments of this one. Its exit code is this program's; on Unix it takes this one's place, so
 /// that signals reach it, too.
 pub fn run(program: Program) -> Result<ExitCode, CliError> {
+    let job = env::args_os().nth(1).map_or_else(String::new, |job| job.to_string_lossy().into_owned());
+    run_for(program, job)
+}
+
+/// The same for a job that a message calls `job`.
+pub fn run_for(program: Program, job: String) -> Result<ExitCode, CliError> {
     let arguments: Vec<OsString> = env::args_os().skip(1).collect();
     let Program { name, package } = program;
     let Some(path) = find(name) else {
-        let job = arguments.first().map_or_else(String::new, |job| job.to_string_lossy().into_owned());
         return Err(ElsewhereError::Missing { job, name, package }.into());
     };
     let mut command = Command::new(&path);

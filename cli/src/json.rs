@@ -96,10 +96,14 @@ impl From<Frame> for FrameOutput {
     }
 }
 
+/// A text without the mark that some editors begin a file with.
+pub fn without_mark(text: &[u8]) -> &[u8] {
+    text.strip_prefix(b"\xef\xbb\xbf").unwrap_or(text)
+}
+
 /// Reads a document, or says in one sentence where it departs from the schema. `file` names it in that sentence.
 pub fn parse<T: DeserializeOwned>(file: &str, text: &[u8]) -> Result<T, CliError> {
-    // The mark that some editors begin a file with.
-    let text = text.strip_prefix(b"\xef\xbb\xbf").unwrap_or(text);
+    let text = without_mark(text);
     let mut deserializer = serde_json::Deserializer::from_slice(text);
     let mut track = serde_path_to_error::Track::new();
     let document = T::deserialize(serde_path_to_error::Deserializer::new(&mut deserializer, &mut track));

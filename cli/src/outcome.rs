@@ -65,9 +65,16 @@ pub fn answer<D>(
     let document = parse(&file, &text)?;
     let mut failures = Failures::default();
     let fill = |writer: &mut dyn Write| write(writer, &document, &mut failures);
-    match target {
-        Some(path) => output::write_file(path, fill)?,
-        None => output::write_stdout(fill)?,
+    let written = match target {
+        Some(path) => output::write_file(path, fill),
+        None => output::write_stdout(fill),
+    };
+    let written = written.map_err(CliError::from);
+    // Whoever reads only the beginning is told what failed so far.
+    if let Err(error) = written
+        && !error.is_closed_pipe()
+    {
+        return Err(error);
     }
     Ok(failures.report(count(&document), what))
 }

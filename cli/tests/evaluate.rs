@@ -281,8 +281,14 @@ fn a_reader_that_goes_away_is_no_error() {
     let elements: Vec<Value> = (0..200).map(|_| plane([1.1, 0.9, 0.25])).collect();
     let scratch = Scratch::new("pipe");
     let input = scratch.file("in.json", &json!({"elements": elements}).to_string());
-    let stderr = crate::runs::run_and_close_stdout(&["evaluate", &input]);
-    assert_eq!(stderr, "");
+    let run = crate::runs::run_and_close_stdout(&["evaluate", &input]);
+    assert_eq!((run.code, run.stderr.as_str()), (0, ""));
+    // But for elements without a result.
+    let line =
+        json!({"slave": [0, 0, 1], "masters": [[0, 0, 0], [1, 0, 0], [2, 0, 0]], "outward": [0, 0, 1]});
+    let input = scratch.file("in.json", &json!({"elements": vec![line; 200]}).to_string());
+    let run = crate::runs::run_and_close_stdout(&["evaluate", &input]);
+    assert!(run.code == 1 && run.stderr.contains("have no result"), "{run:?}");
 }
 
 #[test]

@@ -260,3 +260,13 @@ fn files_are_handled_with_care() {
         assert_eq!(answer, neighbours(&serde_json::from_str(&text).unwrap()));
     }
 }
+
+/// Some editors begin a file with a mark.
+#[test]
+fn a_file_of_elements_may_begin_with_a_byte_order_mark() {
+    let element = json!({"slave": [4.0, 4.0, 0.25], "masters": grid(9), "outward": [0, 0, 1]});
+    let text = json!({"elements": [element]}).to_string();
+    let [plain, marked] =
+        [text.clone(), format!("\u{feff}{text}")].map(|text| run_with_input(&["neighbours", "-"], &text));
+    assert_eq!((marked.code, marked.stdout), (0, plain.stdout));
+}

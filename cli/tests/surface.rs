@@ -185,6 +185,13 @@ fn weights_and_frames_are_those_asked_for() {
     let layers = ["--rule", "hull-layers"];
     let moving = smallest(&layers);
     assert_eq!(moving, smallest(&[&layers[..], &["--frame-derivative", "held"]].concat()));
+    for (options, sentence) in [
+        (&["--frame-derivative", "held"][..], "--frame-derivative held needs another --rule"),
+        (&["--rule", "hull-layers", "--symmetry", "x"], "--symmetry needs --rule domains"),
+    ] {
+        let all = [&["surface", &mesh, "-o", &output], options].concat();
+        run(&all).assert_refused(&[sentence]);
+    }
     for weight in ["cubic-interpolating", "wendland-c2"] {
         let other = smallest(&["--weight", weight]);
         assert!(other != cubic && (other - cubic).abs() < 0.05, "{weight}: {other} {cubic}");

@@ -352,9 +352,12 @@ def main() -> None:
     parser.add_argument("--way", type=float, default=1.0, help="of the plate in an increment, over that of the problem")
     parser.add_argument("--press", type=int, default=4, help="increments down and along x")
     parser.add_argument("--slide", type=int, default=0, help="increments of 0.3 along x after that")
-    parser.add_argument("--fine", type=int, default=1, help="cells in place of each, along x and y")
+    parser.add_argument("--fine", type=int, default=1, help="the --fine that scene.py made the mesh with")
     parser.add_argument("--results", type=Path, help="a folder")
     arguments, others = parser.parse_known_args()
+    unknown = [word for word in others if word.startswith("--")]
+    if unknown:
+        parser.error(f"unknown: {' '.join(unknown)}; options of PETSc begin with one dash")
     for file in (arguments.mesh, arguments.mesh.with_suffix(".h5")):
         if not file.is_file():
             parser.error(f"there is no file {file}: scene.py writes an .xdmf file with an .h5 beside it")
@@ -362,14 +365,16 @@ def main() -> None:
         parser.error("--fine has to be 1 or more, --press and --slide 0 or more")
     if arguments.tangent == "operator" and arguments.linear == "mumps":
         parser.error("MUMPS factors a matrix: --tangent operator goes with --linear gamg")
+    if arguments.results is not None:
+        arguments.results.mkdir(parents=True, exist_ok=True)
     PETSc.Options().insertString(" ".join(others))
     comm = MPI.COMM_WORLD
     summary, results = solve(comm, arguments)
+    if comm.rank == 0:
+        print(json.dumps(summary))
     if arguments.results is not None:
         with (arguments.results / f"{comm.rank}.pickle").open("wb") as file:
             pickle.dump(results, file)
-    if comm.rank == 0:
-        print(json.dumps(summary))
 
 
 if __name__ == "__main__":

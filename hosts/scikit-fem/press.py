@@ -55,7 +55,7 @@ class Block:
 
 
 def cylinder(degrees: float) -> tuple[np.ndarray, np.ndarray]:
-    """Nodes and facets, outside up, of a cylinder with columns of nodes every ``degrees`` from −40° to 40°.
+    """Nodes and facets, outside up, of a cylinder with columns of nodes every ``degrees``, half of that within ±40°.
 
     No column lies at the top: there is the middle of a facet.
     """

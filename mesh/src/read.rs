@@ -23,7 +23,7 @@ impl Mesh {
         match extension.as_deref() {
             Some("msh") => Self::from_gmsh(bytes, path),
             Some("inp") => Self::from_abaqus(bytes, path),
-            _ => match bytes.trim_ascii_start().first() {
+            _ => match begin(bytes) {
                 Some(b'$') => Self::from_gmsh(bytes, path),
                 Some(b'*') => Self::from_abaqus(bytes, path),
                 _ => Err(MeshError::UnknownFormat { path: path.to_path_buf() }),
@@ -37,7 +37,7 @@ impl Mesh {
         let path = path.as_ref();
         let bytes =
             std::fs::read(path).map_err(|cause| MeshError::Read { path: path.to_path_buf(), cause })?;
-        if bytes.trim_ascii_start().starts_with(b"$") {
+        if begin(&bytes) == Some(&b'$') {
             return Err(MeshError::NoInstances { path: path.to_path_buf(), name: instance.into() });
         }
         Self::abaqus(&bytes, path, Some(instance))
@@ -72,4 +72,9 @@ impl Mesh {
         };
         Err(MeshError::Empty { path: path.to_path_buf(), what })
     }
+}
+
+/// The first character of a text that is neither space nor the mark that some editors begin a file with.
+fn begin(bytes: &[u8]) -> Option<&u8> {
+    bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes).trim_ascii_start().first()
 }

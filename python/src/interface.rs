@@ -218,7 +218,7 @@ impl Interface {
         Ok(())
     }
 
-    /// Whether lists were made anew; never while the interface is frozen.
+    /// Whether lists are others now; never while the interface is frozen.
     fn follow(slf: &Bound<'_, Self>, positions: &Bound<'_, PyArray2<f64>>) -> PyResult<bool> {
         let py = slf.py();
         let mut this = exclusive(slf)?;
@@ -325,6 +325,12 @@ impl Interface {
             PairedElement::Diffuse { pairing, .. } => {
                 let frame = pairing.frame.rows();
                 dict.set_item("masters", PyArray1::from_iter(py, pairing.masters.iter().map(|&k| k as i64)))?;
+                if !pairing.others.is_empty() {
+                    let nodes = pairing.others.iter().map(|&(node, _)| node as i64);
+                    let parts = pairing.others.iter().map(|&(_, part)| part);
+                    dict.set_item("others", PyArray1::from_iter(py, nodes))?;
+                    dict.set_item("parts", PyArray1::from_iter(py, parts))?;
+                }
                 dict.set_item("positions", PyArray1::from_slice(py, pairing.positions.as_flattened()))?;
                 dict.set_item("frame", PyArray1::from_slice(py, frame.as_flattened()))?;
                 dict.set_item("support_radius", pairing.support_radius)?;

@@ -104,9 +104,12 @@ impl OwnedLaw<'_, '_> {
         let Some(friction) = &self.law.friction else { return Ok(law) };
         let made = match (&friction.coefficient, &self.coefficient) {
             (&Coefficient::Constant(coefficient), _) => Coulomb::new(coefficient, friction.stiffness),
-            // Without a duration it is one that is refused.
             (_, Some(coefficient)) => {
-                let duration = friction.duration.unwrap_or(f64::NAN);
+                let missing = || {
+                    let sentence = "duration is missing: the coefficient may depend on the speed";
+                    errors::exception(py, "AssemblyError", "invalid-duration", sentence)
+                };
+                let duration = friction.duration.ok_or_else(missing)?;
                 Coulomb::variable(&**coefficient, duration, friction.stiffness)
             }
             (_, None) => return Ok(law),

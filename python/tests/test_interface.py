@@ -557,3 +557,22 @@ def test_interfaces_and_surfaces_are_not_pickled(scene, clone):
         clone(scene.evaluated())
     with pytest.raises(TypeError, match=r"a MasterSurface cannot be pickled or copied: .* make one in each process"):
         clone(scene.master())
+
+
+def test_points_between_two_nodes_name_both():
+    x = np.repeat(np.arange(13.0), 2)
+    y = np.tile([0.0, 1.0], 13)
+    nodes = np.column_stack([x, y, -0.01 * (x - 6.0) ** 2])
+    first = 2 * np.arange(12)
+    facets = np.column_stack([first, first + 2, first + 3, first + 1])
+    positions = np.vstack([nodes, [[5.7, 0.4, 0.02]]])
+    interface = dc.ContactInterface(dc.MasterSurface(positions, facets), [26], positions)
+    interface.refresh_pairing(positions)
+    pairing = interface.pairing(0)
+    assert pairing.basis == "quadratic"
+    assert pairing.others is not None
+    assert pairing.parts is not None
+    assert (pairing.parts > 0.0).any()
+    part = pairing.parts[:, np.newaxis]
+    places = (1.0 - part) * positions[pairing.masters] + part * positions[pairing.others]
+    np.testing.assert_allclose(places, pairing.positions, atol=1e-14)

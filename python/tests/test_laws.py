@@ -226,6 +226,8 @@ def test_what_is_no_law_is_refused():
         with pytest.raises(dc.AssemblyError) as caught:
             make()
         assert caught.value.code == code
+    with pytest.raises(dc.AssemblyError, match="duration is missing"):
+        dc.Coulomb(dc.DecayingCoefficient(0.3, 0.2, 1.0))
     for make in (
         lambda: dc.TabulatedCoefficient([1.0, 2.0], [0.0], [[0.1]]),
         lambda: dc.Coulomb(0.1, duration=1.0),

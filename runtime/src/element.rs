@@ -3,6 +3,7 @@
 use crate::material::check_place;
 use crate::vector::Vector3;
 pub use crate::weight::Weight;
+use crate::with::with;
 use crate::{Basis, Domains, ElementError, Frame, FrameDerivative, MaterialNode, Point};
 
 /// What one evaluation needs: current positions, and the pairing data that stays fixed while differentiating.
@@ -52,28 +53,15 @@ impl<'a> Element<'a> {
         }
     }
 
-    /// With this basis.
-    #[must_use]
-    pub const fn with_basis(self, basis: Basis) -> Self {
-        Self { basis, ..self }
-    }
-
-    /// With this weight.
-    #[must_use]
-    pub const fn with_weight(self, weight: Weight) -> Self {
-        Self { weight, ..self }
-    }
-
-    /// With this frame.
-    #[must_use]
-    pub const fn with_frame(self, frame: Frame) -> Self {
-        Self { frame, ..self }
-    }
-
-    /// With these domains of influence.
-    #[must_use]
-    pub const fn with_domains(self, domains: Domains<'a>) -> Self {
-        Self { domains, ..self }
+    with! {
+        /// With this basis.
+        with_basis(basis: Basis);
+        /// With this weight.
+        with_weight(weight: Weight);
+        /// With this frame.
+        with_frame(frame: Frame);
+        /// With these domains of influence.
+        with_domains(domains: Domains<'a>);
     }
 
     /// Number of global coordinates the gap depends on, 3(n+1).

@@ -86,6 +86,7 @@ pub mod surface;
 pub mod threads;
 mod vector;
 mod weight;
+mod with;
 
 pub use affine::AffinePoint;
 pub use assembly::{ContactLaw, CsrPattern, DofMap, TangentOperator, Triplets, add_forces};

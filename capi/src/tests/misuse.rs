@@ -496,6 +496,9 @@ fn every_reason_of_the_runtime_has_an_outcome() {
         NoContact::NoCandidate { reason: NeighbourhoodError::NoCandidate { found: 0, needed: 3 } },
         NoContact::BeyondBorder { distance: 0.0, tolerance: 0.0 },
     ];
+    // What held lists come to is none of an element of the caller's own.
+    let few = Outcome::None(E::TooFewNodes { found: 2, needed: 6 }.into());
+    assert_eq!(crate::outcome::of(&few), dc_outcome::DC_SINGULAR_FIT);
     for reason in reasons {
         let outcome = crate::outcome::of(&Outcome::None(reason));
         assert_eq!(text(dc_outcome_code(outcome as i32)), reason.code());

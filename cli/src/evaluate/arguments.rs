@@ -16,8 +16,8 @@ const JSON_FORMATS: &str = r#"IN.json:
     "frame_derivative": "co-moving", the average plane moves with the nodes while differentiating: N and M are
                                      exact; the default, but not for a given frame, which cannot move
                         "held",      the frame is held; the default for a given frame
-    "support_radius": R,             default 1.25 x the farthest in-plane distance of a master; held while
-                                     differentiating: give it explicitly to compare with differences
+    "support_radius": R,             default 1.25 x the farthest in-plane distance of a master, or the largest of
+                                     support_radii; held while differentiating: give it explicitly to compare with differences
     "support_radii": [R_1, ...],     one for each master: radii of their own domains of influence; the average plane
                                      then weights its nodes; default: all are R, and the plane weights none
     "first_positions": [[x, y, z], ...], and
@@ -43,13 +43,16 @@ OUT.json, in the same order; vectors and rows over slave, master 1, ... master n
   {"elements": [
     {"status": "ok", "active": gap < 0, "gap": g, "foot": [3], "normal": [3], "coefficients": [6 or 3],
      "frame": {...}, "frame_derivative": "...", "support_radius": R, "regularity": r, "place": [3],
-     "n": [3(n+1)], "m": [[...], ...], "force": [...], "tangent": [[...], ...]},
+     "n": [3(n+1)], "m": [[...], ...], "force": [...], "tangent": [[...], ...],
+     "slip": {"q": q, "gradient": [3(n+2)], "hessian": [[...], ...], "foot_weights": [n]},
+     "friction": {"state": "open", "stick" or "slip", "force": [3(n+2)], "tangent": [[...], ...]}},
     {"status": "error", "code": "singular-fit", "message": "..."}
   ]}
 A file that does not follow this form is refused: exit code 2, nothing written. An element whose geometry or parameters have
 no result is an entry with status "error": the others have theirs, and the exit code is 1.
 place: the slave's in the first configuration, null without first_positions; support_radius then is the distance of the farthest
 master within reach, which lengths are divided by.
+slip: of an element with an anchor, over slave, master 1, ... master n, anchor; friction beside it, on top of force and tangent.
 regularity: how well the masters carry the fit, 0 on one conic (linear basis: on one line), at most 1; near 0 the entries
 of n and m may be large. An element has 1000 masters at most.
 Force -penalty g N and tangent penalty (g M + N N^T) are given for either sign of the gap."#;

@@ -28,7 +28,7 @@ use schema::{Document, ElementInput};
 pub(crate) fn run(arguments: &EvaluateArguments) -> Result<ExitCode, CliError> {
     match arguments.backend {
         BackendKind::Generated => run_with(arguments, &Generated),
-        BackendKind::Ad => elsewhere::run(elsewhere::LABORATORY),
+        BackendKind::Ad => elsewhere::run_for(elsewhere::LABORATORY, "evaluate --backend ad".to_owned()),
     }
 }
 

@@ -202,7 +202,8 @@ struct Elements {
 
 /// Reads a document, or says in one sentence where it departs from the schema.
 pub fn parse(file: &str, text: &[u8]) -> Result<Document, CliError> {
-    let first_key = text.trim_ascii_start().strip_prefix(b"{").map(<[u8]>::trim_ascii_start);
+    let first_key =
+        json::without_mark(text).trim_ascii_start().strip_prefix(b"{").map(<[u8]>::trim_ascii_start);
     if first_key.is_some_and(|key| key.starts_with(b"\"elements\"")) {
         let Object(Elements { elements }) = json::parse(file, text)?;
         return Ok(Document { searches: elements, layout: Layout::Elements });

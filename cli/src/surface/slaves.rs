@@ -83,6 +83,13 @@ impl Surfaces {
             InterfaceError::SlaveOnMaster { node } => {
                 format!("node {} belongs to the set \"{}\", too", tag(node), sets.master)
             }
+            InterfaceError::HeldFrame => {
+                let rule = "--frame-derivative held needs another --rule than domains, such as hull-layers";
+                return ContactMeshError::Options(rule).into();
+            }
+            InterfaceError::NoSymmetry => {
+                return ContactMeshError::Options("--symmetry needs --rule domains").into();
+            }
             other => other.to_string(),
         };
         self.error(&sets.slave, sentence)

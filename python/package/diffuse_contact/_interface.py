@@ -413,7 +413,7 @@ class ContactInterface(FrictionHistory):
         A slave stays with its side of the surface.
 
         Returns:
-            Whether they were made anew, as something had moved too far for them, see ``refresh_pairing``: the sparsity
+            Whether lists are others now, as something had moved too far for them, see ``refresh_pairing``: the sparsity
             pattern then is another one. False while the interface is frozen.
 
         Raises:

@@ -240,6 +240,9 @@ class Pairing:
             farthest master, by which lengths are divided; None for node to facet.
         basis: ``"quadratic"`` or ``"linear"``; None for node to facet.
         material: with the rule ``"domains"`` the masters' domains, seen from the slave's place; else None.
+        others: where a point lies on the line between two nodes, as in strips of one row of cells, the second node of
+            each master, itself where it is a node; None if all are nodes or mirror images.
+        parts: what that node has of the point, the rest is the master's; None beside ``others``.
 
     """
 
@@ -249,6 +252,8 @@ class Pairing:
     support_radius: float | None = None
     basis: str | None = None
     material: MaterialNodes | None = None
+    others: Ints | None = None
+    parts: Floats | None = None
 
 
 class CutBack(NamedTuple):

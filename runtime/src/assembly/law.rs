@@ -5,6 +5,7 @@ use super::{
     AssemblyError, ContactView, ElementView, Elements, NormalLaw, NormalPressure, SlipView, Tangent,
 };
 use crate::friction::{Coulomb, FrictionForce, NormalForce};
+use crate::with::with;
 
 /// The law of contact: a normal law (penalty, augmented Lagrangian, or a [`NormalLaw`] of the user's own) and friction (none, or
 /// [`Coulomb`] with a constant or a [`FrictionCoefficient`](crate::friction::FrictionCoefficient) of the user's own). It is the same over
@@ -79,16 +80,11 @@ impl<'a> ContactLaw<'a> {
         self.friction.is_none() || self.tangent == Tangent::GaussNewton
     }
 
-    /// With these multipliers, or without any.
-    #[must_use]
-    pub const fn with_multipliers(self, multipliers: Option<&'a [f64]>) -> Self {
-        Self { multipliers, ..self }
-    }
-
-    /// With this tangent.
-    #[must_use]
-    pub const fn with_tangent(self, tangent: Tangent) -> Self {
-        Self { tangent, ..self }
+    with! {
+        /// With these multipliers, or without any.
+        with_multipliers(multipliers: Option<&'a [f64]>);
+        /// With this tangent.
+        with_tangent(tangent: Tangent);
     }
 
     /// Contact force max(0, λ_k − ε_k g) of element `k` at the gap `gap`; with λ ← force it is also the update of the

@@ -104,7 +104,7 @@ const HELD: f64 = 1e-5;
 #[non_exhaustive]
 pub struct FaceOptions {
     /// The master's element, and how points are paired with it. A distance limit of `None` is the extents of the face
-    /// and of the largest facet together; in self contact it is two mean extents of a facet. Areas are always those of the faces.
+    /// and of the facet over it together; in self contact it is two mean extents of a facet. Areas are always those of the faces.
     pub interface: InterfaceOptions,
     /// Points of each piece of a face. Between a face and a facet of which one belongs to a quadrilateral of second order it is
     /// [`FaceRule::Fourth`] always.

@@ -6,6 +6,7 @@ use diffuse_contact_kernels::support::KernelSet;
 use super::InterfaceError;
 use crate::assembly::AssemblyError;
 use crate::neighbourhood::{Fallback, NeighbourRule, SearchOptions};
+use crate::with::with;
 use crate::{Basis, FrameDerivative, Weight};
 
 /// The element of every slave node.
@@ -119,34 +120,17 @@ impl InterfaceOptions {
         Self { element: ContactElement::NodeToFacet, ..Self::default() }
     }
 
-    /// With this element.
-    #[must_use]
-    pub const fn with_element(self, element: ContactElement) -> Self {
-        Self { element, ..self }
-    }
-
-    /// With this feature angle.
-    #[must_use]
-    pub const fn with_feature_angle_degrees(self, feature_angle_degrees: f64) -> Self {
-        Self { feature_angle_degrees, ..self }
-    }
-
-    /// With this tolerance of the border.
-    #[must_use]
-    pub const fn with_border_tolerance(self, border_tolerance: f64) -> Self {
-        Self { border_tolerance, ..self }
-    }
-
-    /// With this limit of the distance.
-    #[must_use]
-    pub const fn with_distance_limit(self, distance_limit: Option<f64>) -> Self {
-        Self { distance_limit, ..self }
-    }
-
-    /// With the slave nodes' tributary areas or without.
-    #[must_use]
-    pub const fn with_areas(self, areas: bool) -> Self {
-        Self { areas, ..self }
+    with! {
+        /// With this element.
+        with_element(element: ContactElement);
+        /// With this feature angle.
+        with_feature_angle_degrees(feature_angle_degrees: f64);
+        /// With this tolerance of the border.
+        with_border_tolerance(border_tolerance: f64);
+        /// With this limit of the distance.
+        with_distance_limit(distance_limit: Option<f64>);
+        /// With the slave nodes' tributary areas or without.
+        with_areas(areas: bool);
     }
 
     /// Checks that every option is in its range.

@@ -2,6 +2,7 @@
 
 use super::NeighbourhoodError;
 use crate::pairing::{DEFAULT_NEIGHBOURS, MAX_NEIGHBOURS, SUPPORT_RADIUS_FACTOR, outward};
+use crate::with::with;
 use crate::{Basis, Point};
 
 /// Nodes a hull search starts from. On square grids and random clouds two complete layers are among the 48 nearest
@@ -123,46 +124,21 @@ impl SearchOptions {
         Self { rule: NeighbourRule::Domains, ..Self::default() }
     }
 
-    /// With this rule.
-    #[must_use]
-    pub const fn with_rule(self, rule: NeighbourRule) -> Self {
-        Self { rule, ..self }
-    }
-
-    /// With this basis.
-    #[must_use]
-    pub const fn with_basis(self, basis: Basis) -> Self {
-        Self { basis, ..self }
-    }
-
-    /// With the linear basis to fall back on or without.
-    #[must_use]
-    pub const fn with_linear_fallback(self, linear_fallback: bool) -> Self {
-        Self { linear_fallback, ..self }
-    }
-
-    /// With this bound of the regularity.
-    #[must_use]
-    pub const fn with_smallest_regularity(self, smallest_regularity: f64) -> Self {
-        Self { smallest_regularity, ..self }
-    }
-
-    /// With this support radius over the distance of the farthest node.
-    #[must_use]
-    pub const fn with_radius_factor(self, radius_factor: f64) -> Self {
-        Self { radius_factor, ..self }
-    }
-
-    /// With this number of nodes to start from.
-    #[must_use]
-    pub const fn with_candidates(self, candidates: usize) -> Self {
-        Self { candidates, ..self }
-    }
-
-    /// With this number of nodes to stop at.
-    #[must_use]
-    pub const fn with_max_candidates(self, max_candidates: usize) -> Self {
-        Self { max_candidates, ..self }
+    with! {
+        /// With this rule.
+        with_rule(rule: NeighbourRule);
+        /// With this basis.
+        with_basis(basis: Basis);
+        /// With the linear basis to fall back on or without.
+        with_linear_fallback(linear_fallback: bool);
+        /// With this bound of the regularity.
+        with_smallest_regularity(smallest_regularity: f64);
+        /// With this support radius over the distance of the farthest node.
+        with_radius_factor(radius_factor: f64);
+        /// With this number of nodes to start from.
+        with_candidates(candidates: usize);
+        /// With this number of nodes to stop at.
+        with_max_candidates(max_candidates: usize);
     }
 
     /// Checks that every option is in its range.

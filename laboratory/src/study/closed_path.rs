@@ -9,11 +9,11 @@ use diffuse_contact::surface::{Facet, MasterSurface};
 use diffuse_contact::{Mode, Point};
 use rayon::prelude::*;
 
-use super::StudyError;
 use super::arguments::ClosedPathArguments;
 use super::markdown::Table;
 use super::patch::Patch;
 use super::sweep::scene::{self, Cells};
+use super::{StudyError, extremes};
 use crate::error::CliError;
 use crate::output;
 
@@ -133,11 +133,7 @@ fn around(options: InterfaceOptions, over_faces: bool, steps: usize) -> Result<L
     });
     let forces = forces.collect::<Result<Vec<Point>, StudyError>>()?;
     let sizes = forces.iter().map(|&force| dot(force, force).sqrt());
-    let range = |[low, high]: [f64; 2], size: f64| [low.min(size), high.max(size)];
-    Ok(Loop {
-        work: [1, 2].map(|every| work(&places, &forces, every)),
-        force: sizes.fold([f64::INFINITY, f64::NEG_INFINITY], range),
-    })
+    Ok(Loop { work: [1, 2].map(|every| work(&places, &forces, every)), force: extremes(sizes) })
 }
 
 /// ∮ F·dx over ∮ ‖F‖ ‖dx‖ by the trapezoidal rule with every so many steps.

@@ -35,6 +35,11 @@ use crate::error::CliError;
 
 use arguments::Study;
 
+/// The smallest and the largest value.
+fn extremes(values: impl Iterator<Item = f64>) -> [f64; 2] {
+    values.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], x| [low.min(x), high.max(x)])
+}
+
 /// Makes the study.
 pub fn run(arguments: &StudyArguments) -> Result<(), CliError> {
     match &arguments.study {

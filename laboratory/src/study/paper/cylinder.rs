@@ -5,7 +5,7 @@ use std::fmt::Write as _;
 use plotters::chart::SeriesLabelPosition;
 
 use super::case::{Case, Outcome};
-use super::plot::{Curve, Figure};
+use super::plot::{decades, figure};
 use super::{Chapter, Decks};
 use crate::error::CliError;
 use crate::study::markdown::Table;
@@ -59,19 +59,13 @@ pub fn chapter(decks: &Decks) -> Result<Chapter, CliError> {
         let outcome = decks.run(&case)?;
         courses.push(Course { label, steps: steps(&outcome), outcome });
     }
-    let curves = courses.iter().map(|course| Curve {
-        label: course.label.into(),
-        points: course.steps.iter().map(|step| (step.pressure, step.node.max(1e-5))).collect(),
+    let curves = courses.iter().map(|course| {
+        let points = course.steps.iter().map(|step| (step.pressure, step.node.max(1e-5)));
+        (course.label.to_owned(), points.collect())
     });
-    let figure = Figure {
-        title: "Largest penetration of the plate's nodes into the true cylinder",
-        x: "pressure, MPa",
-        y: "mm",
-        curves: curves.collect(),
-        is_logarithmic: true,
-        legend: SeriesLabelPosition::LowerRight,
-    };
-    Ok(Chapter { text: text(&courses), pictures: vec![("paper-cylinder.svg", figure.draw()?)] })
+    let title = "Largest penetration of the plate's nodes into the true cylinder";
+    let figure = figure(title, ["pressure, MPa", "mm"], decades, SeriesLabelPosition::LowerRight, curves)?;
+    Ok(Chapter { text: text(&courses), pictures: vec![("paper-cylinder.svg", figure)] })
 }
 
 fn steps(outcome: &Outcome) -> Vec<Depths> {

@@ -5,7 +5,7 @@ use std::fmt::Write as _;
 use plotters::chart::SeriesLabelPosition;
 
 use super::case::{Case, Outcome, saving};
-use super::plot::{Curve, Figure, Outline, Shapes};
+use super::plot::{Outline, counts, figure, shapes};
 use super::{Chapter, Decks, steps};
 use crate::error::CliError;
 use crate::study::markdown::Table;
@@ -133,44 +133,27 @@ pub fn chapter(decks: &Decks, scope: &Scope) -> Result<Chapter, CliError> {
     let longer = steps::table(decks, scope)?;
     let shown = elastic.iter().filter(|pair| pair.master == Master::Pipe && pair.penalty == scope.stiffest());
     let curves = shown.flat_map(|pair| {
-        [("diffuse", &pair.diffuse), ("facets", &pair.classic)].map(|(element, outcome)| Curve {
-            label: format!("{element}, {}", pair.mesh.name),
-            points: cumulated(outcome),
-        })
+        [("diffuse", &pair.diffuse), ("facets", &pair.classic)]
+            .map(|(element, outcome)| (format!("{element}, {}", pair.mesh.name), cumulated(outcome)))
     });
-    let iterations = Figure {
-        title: "Iterations of the elastic pinch, pipe as master, stiffest penalty",
-        x: "displacement of the plate, mm",
-        y: "iterations so far",
-        curves: curves.collect(),
-        is_logarithmic: false,
-        legend: SeriesLabelPosition::LowerRight,
-    };
-    let pictures = elastic.first().zip(plastic.first()).map(|(elastic, plastic)| {
-        let at = |outcome: &Outcome, end: f64| {
-            let last = outcome.positions.len().saturating_sub(1);
-            let half = (last / 2, last);
-            [half.0, half.1].map(|k| {
-                let reached = end * outcome.increments[k].time;
-                (format!("{reached:.0} mm"), outlines(outcome, &outcome.positions[k]))
-            })
-        };
-        let mut pictures = Vec::new();
-        for (name, heading, outcome, end) in [
-            ("paper-pinch-elastic.svg", "Elastic, side z = 0", &elastic.diffuse, 80.0),
-            ("paper-pinch-plastic.svg", "Elastoplastic, side z = 0", &plastic.diffuse, 100.0),
-        ] {
-            let mut all = vec![("start".to_owned(), outlines(outcome, &outcome.start))];
-            all.extend(at(outcome, end));
-            pictures.push(Shapes { title: heading, pictures: all }.draw().map(|picture| (name, picture)));
-        }
-        pictures
-    });
-    let mut drawn = vec![("paper-iterations.svg", iterations.draw()?)];
-    for picture in pictures.into_iter().flatten() {
-        drawn.push(picture?);
+    let title = "Iterations of the elastic pinch, pipe as master, stiffest penalty";
+    let axes = ["displacement of the plate, mm", "iterations so far"];
+    let iterations = figure(title, axes, counts, SeriesLabelPosition::LowerRight, curves)?;
+    let mut pictures = vec![("paper-iterations.svg", iterations)];
+    for (name, title, pairs, end) in [
+        ("paper-pinch-elastic.svg", "Elastic, side z = 0", &elastic, 80.0),
+        ("paper-pinch-plastic.svg", "Elastoplastic, side z = 0", &plastic, 100.0),
+    ] {
+        let Some(Pair { diffuse: outcome, .. }) = pairs.first() else { continue };
+        let last = outcome.positions.len().saturating_sub(1);
+        let mut parts = vec![("start".to_owned(), outlines(outcome, &outcome.start))];
+        parts.extend([last / 2, last].map(|k| {
+            let reached = end * outcome.increments[k].time;
+            (format!("{reached:.0} mm"), outlines(outcome, &outcome.positions[k]))
+        }));
+        pictures.push((name, shapes(title, &parts)?));
     }
-    Ok(Chapter { text: text(&elastic, &plastic, &refreshed, &longer), pictures: drawn })
+    Ok(Chapter { text: text(&elastic, &plastic, &refreshed, &longer), pictures })
 }
 
 fn pairs(decks: &Decks, scope: &Scope, pipe: Pipe, meshes: &[Mesh]) -> Result<Vec<Pair>, CliError> {

@@ -4,6 +4,7 @@ use super::Decks;
 use super::case::Outcome;
 use super::pinch::{Master, Pipe, Scope, case};
 use crate::error::CliError;
+use crate::study::extremes;
 use crate::study::markdown::Table;
 
 /// Longer than the deck's increments of 2.5 mm by these factors.
@@ -53,9 +54,7 @@ pub fn table(decks: &Decks, scope: &Scope) -> Result<Table, CliError> {
                 |k: usize, of: fn(&Outcome) -> usize| pairs.iter().map(|pair| of(&pair[k])).sum::<usize>();
             let [diffuse, classic] = [0, 1].map(|k| sum(k, |outcome| outcome.iterations));
             let saved = pairs.iter().map(|[one, other]| percent(one.iterations, other.iterations));
-            let (least, most) = saved.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), value| {
-                (low.min(value), high.max(value))
-            });
+            let [least, most] = extremes(saved);
             let [cut, classic_cut] = [0, 1].map(|k| sum(k, |outcome| outcome.cutbacks));
             table.row([
                 format!("{}", f64::from(factor) * INCREMENT.1),

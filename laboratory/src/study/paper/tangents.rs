@@ -6,7 +6,7 @@ use plotters::chart::SeriesLabelPosition;
 
 use super::case::{Case, Outcome};
 use super::pinch::{Master, PENALTIES, Pipe, Scope, case};
-use super::plot::{Curve, Figure};
+use super::plot::{decades, figure};
 use super::{Chapter, Decks};
 use crate::error::CliError;
 use crate::study::markdown::Table;
@@ -67,23 +67,14 @@ pub fn chapter(decks: &Decks, scope: &Scope) -> Result<Chapter, CliError> {
     };
     let number = hardest(&outcomes);
     let residuals: Vec<Vec<f64>> = outcomes.iter().map(|outcome| history(outcome, number)).collect();
-    let curves = TANGENTS.iter().zip(&residuals).map(|(label, residuals)| Curve {
-        label: (*label).into(),
-        points: residuals
-            .iter()
-            .enumerate()
-            .map(|(k, &residual)| ((k + 1) as f64, residual.max(1e-16)))
-            .collect(),
+    let curves = TANGENTS.iter().zip(&residuals).map(|(label, residuals)| {
+        let points = residuals.iter().enumerate();
+        let points = points.map(|(k, &residual)| ((k + 1) as f64, residual.max(1e-16)));
+        ((*label).to_owned(), points.collect())
     });
     let title = format!("Residuals of increment {}", number + 1);
-    let figure = Figure {
-        title: &title,
-        x: "iteration",
-        y: "residual over the forces",
-        curves: curves.collect(),
-        is_logarithmic: true,
-        legend: SeriesLabelPosition::UpperRight,
-    };
+    let axes = ["iteration", "residual over the forces"];
+    let figure = figure(&title, axes, decades, SeriesLabelPosition::UpperRight, curves)?;
     let heading = format!("### Residuals over the forces, increment {} ({name})", number + 1);
     let mut table = Table::new(heading, ["iteration"].into_iter().chain(TANGENTS));
     for k in 0..residuals.iter().map(Vec::len).max().unwrap_or(0) {
@@ -103,7 +94,7 @@ pub fn chapter(decks: &Decks, scope: &Scope) -> Result<Chapter, CliError> {
          The increment below is the one in which the tangents differ most.\n\n{table}\n\
          ![Residuals](pictures/paper-residuals.svg)\n"
     );
-    Ok(Chapter { text, pictures: vec![("paper-residuals.svg", figure.draw()?)] })
+    Ok(Chapter { text, pictures: vec![("paper-residuals.svg", figure)] })
 }
 
 /// The increment that takes the last tangent most iterations more than the first, from 0.

@@ -12,7 +12,6 @@ use std::io::{self, Write};
 
 use diffuse_contact::interface::ContactElement;
 use diffuse_contact::neighbourhood::NeighbourRule;
-use plotters::style::RGBColor;
 use rayon::prelude::*;
 
 use super::StudyError;
@@ -22,12 +21,8 @@ use crate::error::CliError;
 use crate::output;
 use crate::progress::logged;
 
-use plot::Line;
 use run::{Curve, elements, names, sweep};
 use scene::Cells;
-
-/// Colours that stay apart for the colour-blind.
-const COLOURS: [RGBColor; 3] = [RGBColor(213, 94, 0), RGBColor(0, 114, 178), RGBColor(0, 158, 115)];
 
 /// Sweeps all elements, writes the files and prints the table.
 pub fn run(arguments: &SweepArguments) -> Result<(), CliError> {
@@ -44,7 +39,7 @@ pub fn run(arguments: &SweepArguments) -> Result<(), CliError> {
     bar.finish_and_clear();
     let curves = curves?;
     if let Some(path) = &arguments.output {
-        let picture = plot::draw(&lines(&curves))?;
+        let picture = plot::draw(&shown(&curves))?;
         output::write_file(path, |writer| writer.write_all(picture.as_bytes()))?;
     }
     if let Some(path) = &arguments.csv {
@@ -53,17 +48,14 @@ pub fn run(arguments: &SweepArguments) -> Result<(), CliError> {
     output::write_stdout(|writer| write!(writer, "{}", table(&curves, arguments)))
 }
 
-/// The facets, and the default rule with each weight.
-fn lines(curves: &[Curve]) -> Vec<Line<'_>> {
+/// The facets, and the default rule with two weights.
+fn shown(curves: &[Curve]) -> Vec<(&'static str, &Curve)> {
     let labels = ["facets", "diffuse, cubic weight", "diffuse, interpolating weight"];
     let shown = curves.iter().filter(|curve| match curve.element {
         ContactElement::Diffuse { search, .. } => search.rule == NeighbourRule::Domains,
         ContactElement::NodeToFacet => true,
     });
-    shown
-        .zip(labels.into_iter().zip(COLOURS))
-        .map(|(curve, (label, colour))| Line { label, colour, curve })
-        .collect()
+    labels.into_iter().zip(shown).collect()
 }
 
 fn table(curves: &[Curve], arguments: &SweepArguments) -> Table {

@@ -6,9 +6,9 @@ use diffuse_contact::surface::MasterSurface;
 use diffuse_contact::{FrameDerivative, Mode, Point, Weight};
 
 use super::scene::{self, Cells};
-use crate::study::StudyError;
 use crate::study::accuracy::angle;
 use crate::study::patch::Patch;
+use crate::study::{StudyError, extremes};
 use diffuse_contact_cli::contact_options::{RULES, diffuse, rule_name};
 
 /// What halving a part of a step may change of its work over the penalty, and how often it is halved at most.
@@ -85,8 +85,7 @@ pub fn names(element: &ContactElement) -> [String; 2] {
 impl Curve {
     /// Smallest and largest gap.
     pub fn gaps(&self) -> [f64; 2] {
-        let gaps = self.states.iter().map(|state| state.gap);
-        gaps.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], gap| [low.min(gap), high.max(gap)])
+        extremes(self.states.iter().map(|state| state.gap))
     }
 }
 

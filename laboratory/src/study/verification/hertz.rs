@@ -6,10 +6,12 @@ use diffuse_contact_solver::model::Motion;
 use diffuse_contact_solver::model::shape::{Block, Shape};
 use diffuse_contact_solver::solve::SolveError;
 use diffuse_contact_solver::verification::{LineContact, PointContact, PressureProfile, Trace, trace};
+use plotters::style::BLACK;
 
-use super::plot::{Chart, Curve};
+use super::plot::chart;
 use super::{Decks, Findings, Way, divide, outcome, percent, row};
 use crate::study::markdown::Table;
+use crate::study::plot::{Chart, Curve, Mark};
 
 /// Cells of the body, and of an elastic floor along x and z; `None`: there is no run with one.
 struct Mesh {
@@ -155,34 +157,20 @@ fn study(decks: &Decks, problem: &Problem) -> Result<Findings, SolveError> {
             }
         }
     }
-    if curves.is_empty() {
-        return Ok(Findings { tables: vec![table], charts: Vec::new() });
-    }
-    Ok(Findings { tables: vec![table], charts: vec![chart(problem, curves)] })
+    let charts = if curves.is_empty() { vec![] } else { vec![pressures(problem, curves)] };
+    Ok(Findings { tables: vec![table], charts })
 }
 
 /// The curves with the closed form over them.
-fn chart(problem: &Problem, mut curves: Vec<Curve>) -> Chart {
-    let pressures = (0..=200).map(|k| {
+fn pressures(problem: &Problem, mut curves: Vec<Curve>) -> Chart {
+    let exact = (0..=200).map(|k| {
         let x: f64 = f64::from(k) / 200.0;
         (x, (1.0 - x * x).sqrt())
     });
-    curves.push(Curve {
-        label: "closed form".into(),
-        colour: plotters::style::BLACK,
-        dotted: false,
-        points: pressures.collect(),
-    });
-    Chart {
-        title: format!(
-            "{}: pressure with the curved body as master, {} cells",
-            problem.title,
-            problem.meshes[problem.charted].name()
-        ),
-        abscissa: "x / a",
-        ordinate: "p / p₀",
-        curves,
-    }
+    curves.push(Curve::new("closed form", BLACK, Mark::Line, exact));
+    let cells = problem.meshes[problem.charted].name();
+    let title = format!("{}: pressure with the curved body as master, {cells} cells", problem.title);
+    chart(title, ["x / a", "p / p₀"], curves)
 }
 
 /// Makes the floor an elastic block, whose nodes are the slaves: the curved body carries the contact surface.
@@ -246,5 +234,5 @@ fn curve(run: &Trace<Press>, problem: &Problem, way: Way, modulus: f64) -> Optio
     let (force, profile) = run.measures.last()?;
     let [half_width, peak] = (problem.exact)(*force, modulus);
     let points = profile.nodes.iter().map(|node| (node.distance / half_width, node.pressure / peak));
-    Some(Curve { label: way.name().to_owned(), colour: way.colour(), dotted: true, points: points.collect() })
+    Some(Curve::new(way.name(), way.colour(), Mark::Dots, points))
 }

@@ -5,9 +5,10 @@ use diffuse_contact_solver::solve::SolveError;
 use diffuse_contact_solver::verification::{LineContact, PartialSlip, Trace, TractionProfile, trace};
 use plotters::style::BLACK;
 
-use super::plot::{Chart, Curve};
+use super::plot::chart;
 use super::{Decks, Findings, Way, divide, outcome, row};
 use crate::study::markdown::Table;
+use crate::study::plot::{Curve, Mark};
 
 /// Cells of the cores of the lower and the upper cylinder, and layers around them; whether they take minutes. The second one is the deck's.
 const MESHES: [([usize; 3], bool); 3] = [([20, 18, 12], false), ([40, 36, 20], false), ([60, 54, 24], true)];
@@ -52,13 +53,9 @@ pub fn study(decks: &Decks) -> Result<Findings, SolveError> {
             row(&mut table, [way.name(), &name], run.map(|run| figures(&run)));
         }
     }
-    let chart = Chart {
-        title: "Cylinders that stick in the middle: traction over μ p₀".to_owned(),
-        abscissa: "x / a",
-        ordinate: "q / (μ p₀)",
-        curves,
-    };
-    let charts = if chart.curves.is_empty() { Vec::new() } else { vec![chart] };
+    let title = "Cylinders that stick in the middle: traction over μ p₀";
+    let charts =
+        if curves.is_empty() { vec![] } else { vec![chart(title, ["x / a", "q / (μ p₀)"], curves)] };
     Ok(Findings { tables: vec![table], charts })
 }
 
@@ -93,10 +90,8 @@ fn figures(run: &Trace<Pushed>) -> [String; 9] {
 fn charted(run: &Trace<Pushed>, way: Way) -> Vec<Curve> {
     let Some((exact, profile)) = run.measures.last() else { return Vec::new() };
     let (a, unit) = (exact.line.half_width(), COEFFICIENT * exact.line.peak_pressure());
-    let curve =
-        |label: &str, colour, dotted, points| Curve { label: label.to_owned(), colour, dotted, points };
-    let exact =
-        (-500..=500).map(|k| f64::from(k) / 500.0).map(|x| (x, exact.traction(a * x) / unit)).collect();
-    let nodes = profile.nodes.iter().map(|node| (node.place / a, node.traction / unit)).collect();
-    vec![curve(way.name(), way.colour(), true, nodes), curve("closed form", BLACK, false, exact)]
+    let exact = (-500..=500).map(|k| f64::from(k) / 500.0).map(|x| (x, exact.traction(a * x) / unit));
+    let nodes = profile.nodes.iter().map(|node| (node.place / a, node.traction / unit));
+    let nodes = Curve::new(way.name(), way.colour(), Mark::Dots, nodes);
+    vec![nodes, Curve::new("closed form", BLACK, Mark::Line, exact)]
 }

@@ -32,9 +32,8 @@ use crate::output;
 use crate::study::arguments::{VerificationArguments, VerificationProblem};
 use crate::study::error::of_deck;
 use crate::study::markdown::Table;
+use crate::study::plot::{Chart, Curve, Mark};
 use crate::threads::with_threads;
-
-use plot::{Chart, Curve};
 
 /// The descriptions of a master, the classic one first, and the smooth one over faces beside nodes with the same penalty.
 const SURFACES: [Way; 5] =
@@ -82,8 +81,7 @@ impl Way {
     }
 
     fn curve(self, points: impl Iterator<Item = (f64, f64)>) -> Curve {
-        let (label, colour) = (self.name().to_owned(), self.colour());
-        Curve { label, colour, dotted: self.hull_layers, points: points.collect() }
+        Curve::new(self.name(), self.colour(), if self.hull_layers { Mark::Dots } else { Mark::Line }, points)
     }
 }
 

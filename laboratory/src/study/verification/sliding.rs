@@ -4,9 +4,10 @@ use diffuse_contact_solver::deck::{Contact, Deck};
 use diffuse_contact_solver::solve::SolveError;
 use diffuse_contact_solver::verification::{Oscillation, Trace, trace};
 
-use super::plot::{Chart, Curve};
+use super::plot::chart;
 use super::{Decks, Findings, SURFACES, Way, outcome, row};
 use crate::study::markdown::Table;
+use crate::study::plot::Curve;
 
 /// When the cylinder has come up and begins to turn, the time of the turn, and its angle, degrees.
 const START: f64 = 0.2;
@@ -47,18 +48,12 @@ pub fn study(decks: &Decks) -> Result<Findings, SolveError> {
             row(&mut table, [way.name(), facets], figures);
         }
     }
-    let [up, along] = charts;
-    let chart = |what: &str, ordinate, curves| Chart {
-        title: format!("Block on a turning cylinder, facets of 3°: force {what}"),
-        abscissa: "angle in degrees",
-        ordinate,
-        curves,
-    };
-    let charts = vec![
-        chart("pressing, exact constant", "F_z in N", up),
-        chart("along the turn, exact constant", "F_x in N", along),
-    ];
-    Ok(Findings { tables: vec![table], charts })
+    let forces = [("pressing, exact constant", "F_z in N"), ("along the turn, exact constant", "F_x in N")];
+    let charts = forces.into_iter().zip(charts).map(|((what, force), curves)| {
+        let title = format!("Block on a turning cylinder, facets of 3°: force {what}");
+        chart(title, ["angle in degrees", force], curves)
+    });
+    Ok(Findings { tables: vec![table], charts: charts.collect() })
 }
 
 /// Whether the run-in is over: the first increment of the turn is left out.

@@ -4,7 +4,7 @@ use diffuse_contact_solver::deck::{Contact, Deck};
 use diffuse_contact_solver::solve::SolveError;
 use diffuse_contact_solver::verification::{Oscillation, Trace, trace};
 
-use super::plot::Chart;
+use super::plot::chart;
 use super::{Decks, Findings, SURFACES, Way, outcome, row};
 use crate::study::markdown::Table;
 
@@ -46,12 +46,8 @@ pub fn study(decks: &Decks) -> Result<Findings, SolveError> {
             row(&mut table, [way.name(), master], figures);
         }
     }
-    let chart = Chart {
-        title: "Coaxial cylinders: torque of the turn, exact 0".to_owned(),
-        abscissa: "angle in degrees",
-        ordinate: "torque in N m",
-        curves,
-    };
+    let title = "Coaxial cylinders: torque of the turn, exact 0";
+    let chart = chart(title, ["angle in degrees", "torque in N m"], curves);
     Ok(Findings { tables: vec![table], charts: vec![chart] })
 }
 

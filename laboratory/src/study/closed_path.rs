@@ -46,10 +46,9 @@ pub fn run(arguments: &ClosedPathArguments) -> Result<(), CliError> {
         .map(|(name, options, over_faces)| Ok((name, around(options, over_faces, steps)?)))
         .collect::<Result<Vec<_>, StudyError>>()?;
     let heading = format!("∮ F·dx over ∮ ‖F‖ ‖dx‖ of a pad around a closed path over waves, {steps} steps");
-    let mut table = Table::new(heading, ["way", "‖F‖", "work", "with half of the steps"]);
-    for (name, Loop { work, force: [least, largest] }) in loops {
-        let [work, coarse] = work.map(|work| format!("{work:+.1e}"));
-        table.row([name.to_owned(), format!("{least:.3} to {largest:.3}"), work, coarse]);
+    let mut table = Table::new(heading, "way | ‖F‖ | work | with half of the steps");
+    for (name, Loop { work: [work, coarse], force: [least, largest] }) in loops {
+        table.row(format!("{name} | {least:.3} to {largest:.3} | {work:+.1e} | {coarse:+.1e}"));
     }
     output::write_stdout(|writer| write!(writer, "{table}"))
 }

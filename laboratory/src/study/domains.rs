@@ -133,26 +133,17 @@ pub fn run(arguments: &DomainsArguments) -> Result<(), CliError> {
         return output::write_json(&all);
     }
     let heading = format!("{} slaves on each mesh, at random", arguments.slaves);
-    let columns = [
-        "mesh",
-        "weight",
-        "masters, mean",
-        "masters, largest",
-        "smallest singular value",
-        "linear basis",
-        "rms error over that of facets",
-    ];
+    let columns = "mesh | weight | masters, mean | masters, largest | smallest singular value | \
+                   linear basis | rms error over that of facets";
     let mut table = Table::new(heading, columns);
-    for found in &all {
-        table.row([
-            found.mesh.to_owned(),
-            found.weight.to_owned(),
-            format!("{:.1}", found.masters_mean),
-            found.masters_max.to_string(),
-            format!("{:.3}", found.singular_value),
-            found.linear.to_string(),
-            format!("{:.3}", found.error_over_facets),
-        ]);
+    for Found {
+        mesh, weight, masters_mean, masters_max, singular_value, linear, error_over_facets, ..
+    } in all
+    {
+        table.row(format!(
+            "{mesh} | {weight} | {masters_mean:.1} | {masters_max} | {singular_value:.3} | {linear} | \
+             {error_over_facets:.3}"
+        ));
     }
     output::write_stdout(|writer| write!(writer, "{table}"))
 }

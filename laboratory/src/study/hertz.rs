@@ -109,22 +109,9 @@ pub fn run(arguments: &HertzArguments) -> Result<(), CliError> {
 }
 
 fn table(case: &Case, meshes: &[usize], threads: usize) -> Result<Table, SolveError> {
-    let columns = [
-        "slave",
-        "cells within a, body and block",
-        "force, N",
-        "a, mm",
-        "p₀, closed form, MPa",
-        "nodes within 0.85 a",
-        "rms",
-        "order",
-        "largest error",
-        "order",
-        "largest pressure",
-        "rms of p_A",
-        "iterations",
-        "cut-backs",
-    ];
+    let columns = "slave | cells within a, body and block | force, N | a, mm | p₀, closed form, MPa | \
+                   nodes within 0.85 a | rms | order | largest error | order | largest pressure | \
+                   rms of p_A | iterations | cut-backs";
     let heading = format!("Hertz, {} and block elastic: errors of the nodal pressures over p₀", case.name);
     let mut table = Table::new(heading, columns);
     for exchange in [true, false] {
@@ -139,7 +126,7 @@ fn table(case: &Case, meshes: &[usize], threads: usize) -> Result<Table, SolveEr
                 None => "–".to_owned(),
             };
             let percent = |ratio: f64| format!("{:+.2} %", 100.0 * ratio);
-            table.row([
+            let row = [
                 if exchange { "block, the finer one".to_owned() } else { case.name.to_owned() },
                 format!("{cells}, {:.1}", cells as f64 / FINER),
                 format!("{:.2}", run.force),
@@ -154,7 +141,8 @@ fn table(case: &Case, meshes: &[usize], threads: usize) -> Result<Table, SolveEr
                 format!("{:.2} %", 100.0 * run.coefficients.rms),
                 run.iterations.to_string(),
                 run.cutbacks.to_string(),
-            ]);
+            ];
+            table.row(row.join(" | "));
             coarser = Some((cells, run.errors));
         }
     }

@@ -151,26 +151,16 @@ pub fn run(arguments: &RegularityArguments) -> Result<(), CliError> {
         return output::write_json(&rows);
     }
     let heading = format!("{SLAVES} slaves on each of {} meshes of a kind, at random", arguments.meshes);
-    let columns = [
-        "mesh",
-        "bound",
-        "enlarged by: 99 %, all",
-        "rms error",
-        "masters",
-        "linear: inside, border, %",
-        "jump: rms, largest",
-    ];
+    let columns = "mesh | bound | enlarged by: 99 %, all | rms error | masters | \
+                   linear: inside, border, % | jump: rms, largest";
     let mut table = Table::new(heading, columns);
-    for row in rows {
-        table.row([
-            row.mesh.to_owned(),
-            row.bound.to_string(),
-            format!("{:.1}, {:.1}", row.enlarged_by[0], row.enlarged_by[1]),
-            format!("{:.4}", row.rms_error),
-            format!("{:.1}", row.masters),
-            format!("{:.1}, {:.1}", row.linear_percent[0], row.linear_percent[1]),
-            format!("{:.4}, {:.3}", row.rms_jump, row.largest_jump),
-        ]);
+    for Row { mesh, bound, enlarged_by, rms_error, masters, linear_percent, rms_jump, largest_jump } in rows {
+        let [enlarged, linear] =
+            [enlarged_by, linear_percent].map(|[one, other]| format!("{one:.1}, {other:.1}"));
+        table.row(format!(
+            "{mesh} | {bound} | {enlarged} | {rms_error:.4} | {masters:.1} | {linear} | \
+             {rms_jump:.4}, {largest_jump:.3}"
+        ));
     }
     output::write_stdout(|writer| write!(writer, "{table}"))
 }

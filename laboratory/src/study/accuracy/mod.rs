@@ -12,7 +12,7 @@ use serde::Serialize;
 use crate::error::CliError;
 use crate::output;
 use crate::study::arguments::AccuracyArguments;
-use crate::study::markdown::Table;
+use crate::study::markdown::{Table, cells};
 
 pub use measure::angle;
 
@@ -77,18 +77,18 @@ fn errors(
 ) -> Table {
     let description = found.first().map(|first| first.shape.description()).unwrap_or_default();
     let heading = format!("{description}: {what}, largest / mean (order of the largest)");
-    let mut table = Table::new(heading, ["cell"].iter().chain(names).copied());
+    let mut table = Table::new(heading, &format!("cell | {}", names.join(" | ")));
     let mut coarser: Option<(f64, Vec<[f64; 2]>)> = None;
     for size in SIZES {
         let row: Vec<[f64; 2]> =
             found.iter().filter(|found| found.cell_degrees == size).map(|found| of(found)).collect();
-        let cells = row.iter().enumerate().map(|(k, [largest, mean])| {
+        let errors = row.iter().enumerate().map(|(k, [largest, mean])| {
             let before = coarser.as_ref().and_then(|(size, row)| Some((*size, row.get(k)?[0])));
             let order = before.and_then(|(before, error)| order([error, *largest], [before, size]));
             let order = order.map(|order| format!(" ({order:.1})")).unwrap_or_default();
             format!("{} / {}{order}", digits(*largest), digits(*mean))
         });
-        table.row(std::iter::once(format!("{size}°")).chain(cells));
+        table.row(format!("{size}° | {}", cells(errors)));
         coarser = Some((size, row));
     }
     table
@@ -97,14 +97,14 @@ fn errors(
 /// Masters of a slave, one row for each surface and size, one column for each weight.
 fn masters(all: &[Measurement], names: &[&'static str]) -> Table {
     let smooth: Vec<&str> = names.iter().copied().filter(|name| *name != "facets").collect();
-    let heading = "Masters of a slave that have a weight, mean / largest".to_owned();
-    let mut table = Table::new(heading, ["surface", "cell"].iter().chain(&smooth).copied());
+    let columns = format!("surface | cell | {}", smooth.join(" | "));
+    let mut table = Table::new("Masters of a slave that have a weight, mean / largest", &columns);
     for shape in Shape::ALL {
         for size in SIZES {
             let found = all.iter().filter(|found| found.shape == shape && found.cell_degrees == size);
             let counts = found.filter_map(|found| Some((found.masters_mean?, found.masters_max?)));
-            let cells = counts.map(|(mean, largest)| format!("{mean:.1} / {largest}"));
-            table.row([shape.description(), format!("{size}°")].into_iter().chain(cells));
+            let counts = counts.map(|(mean, largest)| format!("{mean:.1} / {largest}"));
+            table.row(format!("{} | {size}° | {}", shape.description(), cells(counts)));
         }
     }
     table
@@ -112,21 +112,20 @@ fn masters(all: &[Measurement], names: &[&'static str]) -> Table {
 
 /// The cylinder's errors beside the reference figures.
 fn beside_reference(all: &[Measurement]) -> Table {
-    let columns = ["cell", "element", "reference", "largest", "mean"].map(String::from);
-    let places = PLACES.map(|[s, t]| format!("at ({s}, {t})"));
+    let places = PLACES.map(|[s, t]| format!("at ({s}, {t})")).join(" | ");
+    let columns = format!("cell | element | reference | largest | mean | {places}");
     let heading = "Cylinder: gap error beside reference figures; (s, t) is a place of the cell, \
                    s around the axis";
-    let mut table = Table::new(heading, columns.into_iter().chain(places));
+    let mut table = Table::new(heading, &columns);
     for (size, reference) in REFERENCE {
         for (name, figure) in REFERENCE_ELEMENTS.into_iter().zip(reference) {
             let found = all.iter().find(|found| {
                 found.shape == Shape::Cylinder && found.cell_degrees == size && found.element == name
             });
             let Some(found) = found else { continue };
-            let places = PLACES.map(|place| digits(found.gap_at(place)));
-            let cells = [format!("{size}°"), name.into(), figure.to_string()];
-            let measured = [digits(found.gap_max), digits(found.gap_mean)];
-            table.row(cells.into_iter().chain(measured).chain(places));
+            let places = PLACES.map(|place| digits(found.gap_at(place))).join(" | ");
+            let [largest, mean] = [found.gap_max, found.gap_mean].map(digits);
+            table.row(format!("{size}° | {name} | {figure} | {largest} | {mean} | {places}"));
         }
     }
     table
@@ -135,8 +134,8 @@ fn beside_reference(all: &[Measurement]) -> Table {
 /// Gap errors on whole bodies, a row for each face that is not plane.
 fn on_bodies(all: &[BodyMeasurement]) -> Table {
     let heading = "Whole bodies: largest gap error in % of the face's mean edge (slaves without contact)";
-    let columns = ["body", "face", "facets", "smooth", "triangles: facets", "triangles: smooth"];
-    let mut table = Table::new(heading.to_owned(), columns);
+    let columns = "body | face | facets | smooth | triangles: facets | triangles: smooth";
+    let mut table = Table::new(heading, columns);
     for of_body in all.chunk_by(|one, other| one.body == other.body) {
         // Faces come in the same order for both kinds of cells and both elements.
         for first in &of_body[..of_body.len() / 4] {
@@ -145,11 +144,11 @@ fn on_bodies(all: &[BodyMeasurement]) -> Table {
             if own.iter().all(|found| found.gap_max < PLANE) {
                 continue;
             }
-            let cells = own.iter().map(|found| {
+            let errors = own.iter().map(|found| {
                 let without = if found.without > 0 { format!(" ({})", found.without) } else { String::new() };
                 format!("{}{without}", digits(100.0 * found.gap_max))
             });
-            table.row([first.body.to_owned(), first.face.to_owned()].into_iter().chain(cells));
+            table.row(format!("{} | {} | {}", first.body, first.face, cells(errors)));
         }
     }
     table

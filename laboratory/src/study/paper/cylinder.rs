@@ -8,7 +8,7 @@ use super::case::{Case, Outcome};
 use super::plot::{decades, figure};
 use super::{Chapter, Decks};
 use crate::error::CliError;
-use crate::study::markdown::Table;
+use crate::study::markdown::{Table, cells};
 
 const DECK: &str = include_str!("../../../../examples/plate_cylinder.toml");
 /// Of the deck: radius of the cylinder, height of its axis, pressure at the end.
@@ -106,14 +106,15 @@ fn samples(corners: &[usize], positions: &[[f64; 3]]) -> Vec<[f64; 3]> {
 
 /// How deep nodes and faces are in each step.
 fn penetrations(courses: &[Course]) -> Table {
-    let columns = std::iter::once("pressure, MPa".to_owned()).chain(
-        courses.iter().flat_map(|course| ["nodes", "faces"].map(|what| format!("{}: {what}", course.label))),
-    );
-    let mut table = Table::new("Largest penetration into the true cylinder, mm", columns);
+    let columns = courses.iter().map(|course| format!("{0}: nodes | {0}: faces", course.label));
+    let columns = format!("pressure, MPa | {}", cells(columns));
+    let mut table = Table::new("Largest penetration into the true cylinder, mm", &columns);
     for k in 0..courses.iter().map(|course| course.steps.len()).min().unwrap_or(0) {
-        let values = courses.iter().flat_map(|course| [course.steps[k].node, course.steps[k].face]);
-        let pressure = format!("{:.0}", courses[0].steps[k].pressure);
-        table.row(std::iter::once(pressure).chain(values.map(|value| format!("{value:.4}"))));
+        let values = courses.iter().map(|course| {
+            let Depths { node, face, .. } = course.steps[k];
+            format!("{node:.4} | {face:.4}")
+        });
+        table.row(format!("{:.0} | {}", courses[0].steps[k].pressure, cells(values)));
     }
     table
 }
@@ -122,35 +123,22 @@ fn penetrations(courses: &[Course]) -> Table {
 fn summary(courses: &[Course]) -> Table {
     let mut summary = Table::new(
         "All steps",
-        [
-            "element",
-            "deepest node, mm",
-            "facets over it",
-            "loaded nodes outside by, mm",
-            "off either way, mm",
-            "facets over it",
-            "by the penalty, mm",
-            "iterations",
-        ],
+        "element | deepest node, mm | facets over it | loaded nodes outside by, mm | off either way, mm | \
+         facets over it | by the penalty, mm | iterations",
     );
     let worst =
         |course: &Course, value: fn(&Depths) -> f64| course.steps.iter().map(value).fold(0.0, f64::max);
     let either = |course: &Course| worst(course, |step| step.node.max(step.above));
     let (classic, classic_off) = (worst(&courses[0], |step| step.node), either(&courses[0]));
     for course in courses {
-        let deepest = worst(course, |step| step.node);
-        let penalty = worst(course, |step| step.given_way);
-        summary.row([
-            course.label.to_owned(),
-            format!("{deepest:.5}"),
-            // Where all nodes are outside there is nothing to divide by.
-            if deepest > 0.0 { format!("{:.0}", classic / deepest) } else { "–".to_owned() },
-            format!("{:.4}", worst(course, |step| step.above)),
-            format!("{:.4}", either(course)),
-            format!("{:.1}", classic_off / either(course)),
-            format!("{penalty:.5}"),
-            course.outcome.count(),
-        ]);
+        let (deepest, above) = (worst(course, |step| step.node), worst(course, |step| step.above));
+        let (off, penalty) = (either(course), worst(course, |step| step.given_way));
+        // Where all nodes are outside there is nothing to divide by.
+        let ratio = if deepest > 0.0 { format!("{:.0}", classic / deepest) } else { "–".to_owned() };
+        let (label, off_ratio, count) = (course.label, classic_off / off, course.outcome.count());
+        summary.row(format!(
+            "{label} | {deepest:.5} | {ratio} | {above:.4} | {off:.4} | {off_ratio:.1} | {penalty:.5} | {count}"
+        ));
     }
     summary
 }

@@ -47,6 +47,17 @@ pub enum Master {
     Plate,
 }
 
+impl Master {
+    pub const ALL: [Self; 2] = [Self::Pipe, Self::Plate];
+
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Pipe => "pipe",
+            Self::Plate => "plate",
+        }
+    }
+}
+
 /// What is run.
 pub struct Scope {
     meshes: &'static [Mesh],
@@ -103,16 +114,12 @@ pub fn case(pipe: Pipe, mesh: Mesh, penalty: f64, master: Master, limit: Option<
         Pipe::Plastic => ("pipe_pinch_plastic", PLASTIC),
     };
     let Mesh { name: cells, pipe, plate, along } = mesh;
-    let side = match master {
-        Master::Pipe => "pipe",
-        Master::Plate => "plate",
-    };
     Case::new(name, text)
         .with("parts.pipe.divisions", vec![pipe, 2, along])
         .with("parts.plate.divisions", vec![plate, 2, along])
         .with("interface.penalty", penalty)
         .with("interface.exchange", master == Master::Plate)
-        .named(&format!("{cells}-{penalty:.0e}-{side}"))
+        .named(&format!("{cells}-{penalty:.0e}-{}", master.name()))
         .up_to(limit)
 }
 
@@ -159,7 +166,7 @@ pub fn chapter(decks: &Decks, scope: &Scope) -> Result<Chapter, CliError> {
 fn pairs(decks: &Decks, scope: &Scope, pipe: Pipe, meshes: &[Mesh]) -> Result<Vec<Pair>, CliError> {
     let mut pairs = Vec::new();
     for &mesh in meshes {
-        for master in [Master::Pipe, Master::Plate] {
+        for master in Master::ALL {
             for &penalty in scope.penalties {
                 let case = case(pipe, mesh, penalty, master, scope.limit);
                 let diffuse = decks.run(&case)?;
@@ -207,37 +214,25 @@ fn outlines(outcome: &Outcome, positions: &[[f64; 3]]) -> Vec<Outline> {
         .collect()
 }
 
-const COLUMNS: [&str; 8] = [
-    "mesh",
-    "master",
-    "penalty, N/mm",
-    "diffuse",
-    "facets",
-    "fewer",
-    "time, diffuse over facets",
-    "penetration, mm",
-];
+const COLUMNS: &str = "mesh | master | penalty, N/mm | diffuse | facets | fewer | time, diffuse over facets | \
+                       penetration, mm";
 
 impl Pair {
-    fn row(&self, label: &str) -> Vec<String> {
-        let Self { mesh, penalty, master, diffuse, classic } = self;
+    fn row(&self, label: &str) -> String {
+        let Self { mesh: Mesh { name, pipe, plate, along }, penalty, master, diffuse, classic } = self;
         let ratio = diffuse.wall.as_secs_f64() / classic.wall.as_secs_f64();
-        vec![
-            format!(
-                "{label}{}, {} × 2 × {} on {} × 2 × {}",
-                mesh.name, mesh.pipe, mesh.along, mesh.plate, mesh.along
-            ),
-            match master {
-                Master::Pipe => "pipe".into(),
-                Master::Plate => "plate".into(),
-            },
+        let has_both = diffuse.converged() && classic.converged();
+        let cells = [
+            format!("{label}{name}, {pipe} × 2 × {along} on {plate} × 2 × {along}"),
+            master.name().to_owned(),
             format!("{penalty:.0e}"),
             diffuse.count(),
             classic.count(),
             saving(diffuse, classic),
-            if diffuse.converged() && classic.converged() { format!("{ratio:.2}") } else { "–".into() },
+            if has_both { format!("{ratio:.2}") } else { "–".into() },
             format!("{:.3}, {:.3}", diffuse.penetration(), classic.penetration()),
-        ]
+        ];
+        cells.join(" | ")
     }
 }
 
@@ -293,14 +288,14 @@ fn text(elastic: &[Pair], plastic: &[Pair], refreshed: &[(Pipe, Pair)], longer: 
 /// Where the time of a pair of runs goes.
 fn shares(pair: &Pair) -> String {
     let title = format!("### Where the time goes, {} mesh, pipe as master, in % of the run", pair.mesh.name);
-    let mut table = Table::new(title, ["element", "solid", "contact evaluation", "pairing", "linear solver"]);
+    let mut table = Table::new(title, "element | solid | contact evaluation | pairing | linear solver");
     for (name, outcome) in [("diffuse", &pair.diffuse), ("facets", &pair.classic)] {
         let timing = outcome.timing;
         let parts = [timing.solid, timing.contact, timing.pairing, timing.linear];
         let share = |part: std::time::Duration| {
             format!("{:.1}", 100.0 * part.as_secs_f64() / outcome.wall.as_secs_f64())
         };
-        table.row(std::iter::once(name.to_owned()).chain(parts.map(share)));
+        table.row(format!("{name} | {}", parts.map(share).join(" | ")));
     }
     table.to_string()
 }

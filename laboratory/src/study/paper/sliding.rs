@@ -39,17 +39,8 @@ fn cases(scope: &Scope) -> Vec<(String, Case)> {
 
 /// Runs them all.
 pub fn chapter(decks: &Decks, scope: &Scope) -> Result<Chapter, CliError> {
-    let columns = [
-        "deck",
-        "diffuse",
-        "hull layers",
-        "facets",
-        "fewer",
-        "diffuse, linear",
-        "hull layers, linear",
-        "facets, linear",
-        "fewer",
-    ];
+    let columns = "deck | diffuse | hull layers | facets | fewer | diffuse, linear | \
+                   hull layers, linear | facets, linear | fewer";
     let mut table = Table::new("### Iterations, by a linear step and by linear extrapolation", columns);
     for (name, case) in cases(scope) {
         let mut row = vec![name];
@@ -59,7 +50,7 @@ pub fn chapter(decks: &Decks, scope: &Scope) -> Result<Chapter, CliError> {
             let classic = decks.run(&case.classic())?;
             row.extend([diffuse.count(), layers.count(), classic.count(), saving(&diffuse, &classic)]);
         }
-        table.row(row);
+        table.row(row.join(" | "));
     }
     let text = format!(
         "## Where nodes slide\n\n\

@@ -22,23 +22,12 @@ pub fn runs(scope: &Scope) -> usize {
 
 /// Sums over all meshes and penalties.
 pub fn table(decks: &Decks, scope: &Scope) -> Result<Table, CliError> {
-    let columns = [
-        "increment, mm",
-        "tangent",
-        "master",
-        "decks",
-        "diffuse",
-        "facets",
-        "fewer",
-        "one deck, from",
-        "to",
-        "cut back",
-    ];
+    let columns = "increment, mm | tangent | master | decks | diffuse | facets | fewer | \
+                   one deck, from | to | cut back";
     let mut table = Table::new("### Longer increments, elastic, all meshes and penalties together", columns);
-    let masters = [(Master::Pipe, "pipe"), (Master::Plate, "plate")];
     for (factor, tangent) in FACTORS.into_iter().flat_map(|factor| TANGENTS.map(|tangent| (factor, tangent)))
     {
-        for (master, name) in masters {
+        for master in Master::ALL {
             let mut pairs = Vec::new();
             for &mesh in scope.meshes() {
                 for &penalty in scope.penalties() {
@@ -56,18 +45,12 @@ pub fn table(decks: &Decks, scope: &Scope) -> Result<Table, CliError> {
             let saved = pairs.iter().map(|[one, other]| percent(one.iterations, other.iterations));
             let [least, most] = extremes(saved);
             let [cut, classic_cut] = [0, 1].map(|k| sum(k, |outcome| outcome.cutbacks));
-            table.row([
-                format!("{}", f64::from(factor) * INCREMENT.1),
-                tangent.into(),
-                name.into(),
-                pairs.len().to_string(),
-                diffuse.to_string(),
-                classic.to_string(),
-                format!("{:.1} %", percent(diffuse, classic)),
-                format!("{least:.1} %"),
-                format!("{most:.1} %"),
-                format!("{cut}, {classic_cut}"),
-            ]);
+            let (increment, master) = (f64::from(factor) * INCREMENT.1, master.name());
+            let (count, fewer) = (pairs.len(), percent(diffuse, classic));
+            table.row(format!(
+                "{increment} | {tangent} | {master} | {count} | {diffuse} | {classic} | {fewer:.1} % | \
+                 {least:.1} % | {most:.1} % | {cut}, {classic_cut}"
+            ));
         }
     }
     Ok(table)

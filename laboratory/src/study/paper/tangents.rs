@@ -9,7 +9,7 @@ use super::pinch::{Master, PENALTIES, Pipe, Scope, case};
 use super::plot::{decades, figure};
 use super::{Chapter, Decks};
 use crate::error::CliError;
-use crate::study::markdown::Table;
+use crate::study::markdown::{Table, cells};
 
 /// What takes part in the tangent.
 const TANGENTS: [&str; 4] = ["exact", "adaptive", "frame held (hull layers)", "ε N Nᵀ"];
@@ -52,12 +52,13 @@ fn variants(case: &Case) -> [Case; TANGENTS.len()] {
 
 /// Runs them all.
 pub fn chapter(decks: &Decks, scope: &Scope) -> Result<Chapter, CliError> {
-    let columns = ["deck, pipe as master"].into_iter().chain(TANGENTS);
-    let mut counts = Table::new("### Iterations of the diffuse element", columns);
+    let tangents = TANGENTS.join(" | ");
+    let columns = format!("deck, pipe as master | {tangents}");
+    let mut counts = Table::new("### Iterations of the diffuse element", &columns);
     let mut histories = None;
     for (name, case) in decks_of(scope) {
         let outcomes = variants(&case).iter().map(|case| decks.run(case)).collect::<Result<Vec<_>, _>>()?;
-        counts.row(std::iter::once(name.clone()).chain(outcomes.iter().map(Outcome::count)));
+        counts.row(format!("{name} | {}", cells(outcomes.iter().map(Outcome::count))));
         if histories.is_none() {
             histories = Some((name, outcomes));
         }
@@ -76,11 +77,10 @@ pub fn chapter(decks: &Decks, scope: &Scope) -> Result<Chapter, CliError> {
     let axes = ["iteration", "residual over the forces"];
     let figure = figure(&title, axes, decades, SeriesLabelPosition::UpperRight, curves)?;
     let heading = format!("### Residuals over the forces, increment {} ({name})", number + 1);
-    let mut table = Table::new(heading, ["iteration"].into_iter().chain(TANGENTS));
+    let mut table = Table::new(heading, &format!("iteration | {tangents}"));
     for k in 0..residuals.iter().map(Vec::len).max().unwrap_or(0) {
-        let cells =
-            residuals.iter().map(|list| list.get(k).map_or(String::new(), |value| format!("{value:.1e}")));
-        table.row(std::iter::once((k + 1).to_string()).chain(cells));
+        let of = |list: &Vec<f64>| list.get(k).map_or(String::new(), |value| format!("{value:.1e}"));
+        table.row(format!("{} | {}", k + 1, cells(residuals.iter().map(of))));
     }
     let mut text = String::new();
     let _ = write!(

@@ -17,7 +17,7 @@ use serde::Serialize;
 
 use super::StudyError;
 use super::arguments::{Costs, ScalingArguments};
-use super::markdown::Table;
+use super::markdown::{Table, cells};
 use crate::error::CliError;
 use crate::output;
 
@@ -223,10 +223,10 @@ impl Scaling {
 }
 
 impl Case {
-    fn row(&self, numbers: impl IntoIterator<Item = String>) -> impl Iterator<Item = String> {
+    fn row(&self, numbers: impl IntoIterator<Item = String>) -> String {
         let slaves = if self.dealt { "dealt out" } else { "kept" };
-        let name = format!("{}, {slaves}", self.partition.name());
-        [name, grouped(self.ranks as u64)].into_iter().chain(numbers)
+        let (partition, ranks) = (self.partition.name(), grouped(self.ranks as u64));
+        format!("{partition}, {slaves} | {ranks} | {}", cells(numbers))
     }
 }
 
@@ -255,19 +255,9 @@ fn number(x: f64) -> String {
 
 impl Scaling {
     fn surface(&self) -> Table {
-        let columns = [
-            "partition, slaves",
-            "ranks",
-            "own facets, mean",
-            "part, largest",
-            "slaves, mean",
-            "largest over mean",
-            "window's facets, largest",
-            "its nodes",
-            "MB, mean",
-            "largest",
-            "over 1/P of the whole",
-        ];
+        let columns = "partition, slaves | ranks | own facets, mean | part, largest | slaves, mean | \
+                       largest over mean | window's facets, largest | its nodes | MB, mean | largest | \
+                       over 1/P of the whole";
         let mut table = Table::new("Surface that a rank holds:", columns);
         for case in &self.cases {
             table.row(case.row([
@@ -286,19 +276,9 @@ impl Scaling {
     }
 
     fn messages(&self) -> Table {
-        let columns = [
-            "partition, slaves",
-            "ranks",
-            "neighbours, mean",
-            "largest",
-            "an iteration, kB, mean",
-            "largest",
-            "with rows of the tangent, kB, mean",
-            "largest",
-            "windows, kB, mean",
-            "largest",
-            "boxes, kB",
-        ];
+        let columns = "partition, slaves | ranks | neighbours, mean | largest | an iteration, kB, mean | \
+                       largest | with rows of the tangent, kB, mean | largest | windows, kB, mean | \
+                       largest | boxes, kB";
         let heading = "Bytes of a rank, the larger of what comes and what goes; boxes come from all ranks:";
         let mut table = Table::new(heading, columns);
         for case in &self.cases {
@@ -318,15 +298,8 @@ impl Scaling {
              new window every {} iterations. A message takes {latency} µs, and {bandwidth} GB/s come to a rank and go from it.",
             self.every
         );
-        let columns = [
-            "partition, slaves",
-            "ranks",
-            "iteration, ms",
-            "with rows of the tangent, ms",
-            "windows anew, ms",
-            "efficiency, %",
-            "with rows, %",
-        ];
+        let columns = "partition, slaves | ranks | iteration, ms | with rows of the tangent, ms | \
+                       windows anew, ms | efficiency, % | with rows, %";
         let mut table = Table::new(heading, columns);
         for case in &self.cases {
             let [vectors, rows] = case.iteration_s;

@@ -70,30 +70,18 @@ fn table(curves: &[Curve], arguments: &SweepArguments) -> Table {
         scene::WAVELENGTH,
         scene::DEPTH
     );
-    let columns = [
-        "neighbours",
-        "weight",
-        "changes",
-        "steps lost",
-        "gap, smallest to largest",
-        "largest gap jump",
-        "in % of the gap's range",
-        "largest kink of the normal",
-        "work ∮F·dx over ∮‖F‖‖dx‖",
-    ];
+    let columns = "neighbours | weight | changes | steps lost | gap, smallest to largest | \
+                   largest gap jump | in % of the gap's range | largest kink of the normal | \
+                   work ∮F·dx over ∮‖F‖‖dx‖";
     let mut table = Table::new(heading, columns);
     for curve in curves {
-        let [smallest, largest] = curve.gaps();
-        let figures = [
-            curve.changes.to_string(),
-            curve.lost.to_string(),
-            format!("{smallest:.4} to {largest:.4}"),
-            format!("{:.1e}", curve.gap_jump),
-            format!("{:.1}", 100.0 * curve.gap_jump / (largest - smallest)),
-            format!("{:.3}°", curve.kink_degrees),
-            format!("{:+.1e}", curve.work / curve.effort),
-        ];
-        table.row(names(&curve.element).into_iter().chain(figures));
+        let Curve { element, changes, lost, gap_jump, kink_degrees, .. } = curve;
+        let ([rule, weight], [smallest, largest]) = (names(element), curve.gaps());
+        let (percent, work) = (100.0 * gap_jump / (largest - smallest), curve.work / curve.effort);
+        table.row(format!(
+            "{rule} | {weight} | {changes} | {lost} | {smallest:.4} to {largest:.4} | {gap_jump:.1e} | \
+             {percent:.1} | {kink_degrees:.3}° | {work:+.1e}"
+        ));
     }
     table
 }

@@ -35,21 +35,10 @@ const BOUNDS: [f64; 2] = [0.95, 0.85];
 type Node = [f64; 2];
 
 pub fn study(decks: &Decks) -> Result<Findings, SolveError> {
-    let columns = [
-        "element",
-        "weight",
-        "cells around",
-        "rms",
-        "largest",
-        "at the middle",
-        "rms within 0.85 a",
-        "largest",
-        "iterations",
-        "cut-backs",
-    ];
     let mut table = Table::new(
         "Elastic cylinder on elastic block: errors of the pressure over p₀ within 0.95 a",
-        columns,
+        "element | weight | cells around | rms | largest | at the middle | rms within 0.85 a | largest | \
+         iterations | cut-backs",
     );
     for (way, weight, cells) in RUNS {
         let mut deck = decks.by(way)?;
@@ -81,7 +70,7 @@ pub fn study(decks: &Decks) -> Result<Findings, SolveError> {
             ]
         });
         let weight = if way.element == Contact::Diffuse { weight.name() } else { "–" };
-        row(&mut table, [way.name(), weight, &cells.to_string()], figures);
+        row(&mut table, &[way.name(), weight, &cells.to_string()], figures);
     }
     Ok(Findings { tables: vec![table], charts: Vec::new() })
 }

@@ -13,14 +13,8 @@ use crate::study::markdown::Table;
 const WAYS: [Way; 4] = [Way::DIFFUSE_OVER_FACES, Way::DIFFUSE, Way::FACETS_OVER_FACES, Way::FACETS];
 
 pub fn study(decks: &Decks, title: &str) -> Result<Findings, SolveError> {
-    let columns = [
-        "element",
-        "increments",
-        "cut-backs",
-        "iterations",
-        "deepest penetration, of a facet",
-        "largest kink",
-    ];
+    let columns =
+        "element | increments | cut-backs | iterations | deepest penetration, of a facet | largest kink";
     let mut table = Table::new(format!("{title}: contact of a surface with itself"), columns);
     for way in WAYS {
         let mut deck = decks.with(way.element)?;
@@ -30,7 +24,7 @@ pub fn study(decks: &Decks, title: &str) -> Result<Findings, SolveError> {
                 if way.over_faces { Integration::Faces(FaceRule::default()) } else { Integration::Nodes };
         }
         let figures = outcome(pressed(&deck, decks))?;
-        row(&mut table, [way.name()], figures);
+        row(&mut table, &[way.name()], figures);
     }
     Ok(Findings { tables: vec![table], charts: Vec::new() })
 }

@@ -116,18 +116,8 @@ fn study(decks: &Decks, problem: &Problem) -> Result<Findings, SolveError> {
     let heading =
         format!("{}: deviation of peak pressure and half width from the closed form", problem.title);
     let meshes: Vec<&Mesh> = problem.meshes.iter().filter(|mesh| mesh.fine == decks.fine).collect();
-    let columns = [
-        "slave",
-        "element",
-        "cells",
-        "pressed nodes",
-        "force, N",
-        "p₀, closed form, MPa",
-        "largest nodal pressure",
-        "p₀ of the fitted ellipse",
-        "a of the fitted ellipse",
-        "iterations",
-    ];
+    let columns = "slave | element | cells | pressed nodes | force, N | p₀, closed form, MPa | \
+                   largest nodal pressure | p₀ of the fitted ellipse | a of the fitted ellipse | iterations";
     let mut table = Table::new(heading, columns);
     let mut curves = Vec::new();
     for exchange in [false, true] {
@@ -149,11 +139,8 @@ fn study(decks: &Decks, problem: &Problem) -> Result<Findings, SolveError> {
                     curves.extend(curve(run, problem, way, modulus));
                 }
                 let figures = run.map(|run| figures(&run, problem, modulus));
-                row(
-                    &mut table,
-                    [if exchange { "elastic floor" } else { problem.body }, way.name(), &mesh.name()],
-                    figures,
-                );
+                let slave = if exchange { "elastic floor" } else { problem.body };
+                row(&mut table, &[slave, way.name(), &mesh.name()], figures);
             }
         }
     }

@@ -22,19 +22,9 @@ const COEFFICIENT: f64 = 0.2;
 type Pushed = (PartialSlip, TractionProfile);
 
 pub fn study(decks: &Decks) -> Result<Findings, SolveError> {
-    let columns = [
-        "element",
-        "cells of the cores, layers",
-        "nodes across",
-        "Q/(μ P)",
-        "c/a, closed form",
-        "c/a by the tractions",
-        "nodes stick to, slide from, x/a",
-        "traction at nodes, rms",
-        "means over faces, rms",
-        "iterations",
-        "cut-backs",
-    ];
+    let columns = "element | cells of the cores, layers | nodes across | Q/(μ P) | c/a, closed form | \
+                   c/a by the tractions | nodes stick to, slide from, x/a | traction at nodes, rms | \
+                   means over faces, rms | iterations | cut-backs";
     let mut table = Table::new("Cattaneo and Mindlin: cylinders that stick in the middle", columns);
     let mut curves = Vec::new();
     for way in [Way::FACETS_OVER_FACES, Way::DIFFUSE_OVER_FACES] {
@@ -50,7 +40,7 @@ pub fn study(decks: &Decks) -> Result<Findings, SolveError> {
                 curves = charted(run, way);
             }
             let name = format!("{lower} and {upper}, {layers}");
-            row(&mut table, [way.name(), &name], run.map(|run| figures(&run)));
+            row(&mut table, &[way.name(), &name], run.map(|run| figures(&run)));
         }
     }
     let title = "Cylinders that stick in the middle: traction over μ p₀";

@@ -15,7 +15,6 @@ mod ring;
 mod sliding;
 mod turning;
 
-use std::fmt::Display;
 use std::path::{Path, PathBuf};
 
 use diffuse_contact::faces::FaceRule;
@@ -197,22 +196,9 @@ fn outcome<T>(run: Result<T, SolveError>) -> Result<Result<T, String>, SolveErro
 }
 
 /// A row of a run: its names and either its figures or the reason, which takes the place of the first figure.
-fn row<const N: usize>(
-    table: &mut Table,
-    names: impl IntoIterator<Item = impl Display>,
-    figures: Result<[String; N], String>,
-) {
-    let figures = figures.map_or_else(
-        |reason| {
-            let mut cells = vec!["–".to_owned(); N];
-            if let Some(first) = cells.first_mut() {
-                *first = reason;
-            }
-            cells
-        },
-        Vec::from,
-    );
-    table.row(names.into_iter().map(|name| name.to_string()).chain(figures));
+fn row<const N: usize>(table: &mut Table, names: &[&str], figures: Result<[String; N], String>) {
+    let figures = figures.map_or_else(|reason| reason + &" | –".repeat(N - 1), |figures| figures.join(" | "));
+    table.row(format!("{} | {figures}", names.join(" | ")));
 }
 
 /// Sets the numbers of cells of a part of a shipped deck.

@@ -34,17 +34,8 @@ const PASSES: [(&str, bool, bool); 3] = [
 
 pub fn study(decks: &Decks) -> Result<Findings, SolveError> {
     let heading = "Patch test: deviations from the uniform stress −p, relative to p";
-    let columns = [
-        "element",
-        "weight",
-        "passes",
-        "forces by area",
-        "largest, σ_zz",
-        "rms, σ_zz",
-        "largest of other components",
-        "largest, contact pressure",
-        "iterations",
-    ];
+    let columns = "element | weight | passes | forces by area | largest, σ_zz | rms, σ_zz | \
+                   largest of other components | largest, contact pressure | iterations";
     let mut table = Table::new(heading, columns);
     for (way, weight) in SURFACES {
         for (passes, exchange, two_pass) in PASSES {
@@ -69,16 +60,9 @@ pub fn study(decks: &Decks) -> Result<Findings, SolveError> {
                     Uniformity::of(snapshot, AXIS, pressure)
                 }))?;
                 let figures = run.map(|run| figures(&run, areas && !two_pass));
-                row(
-                    &mut table,
-                    [
-                        way.name(),
-                        if way.element == Contact::Diffuse { weight.name() } else { "–" },
-                        passes,
-                        if areas { "yes" } else { "no" },
-                    ],
-                    figures,
-                );
+                let weight = if way.element == Contact::Diffuse { weight.name() } else { "–" };
+                let by_area = if areas { "yes" } else { "no" };
+                row(&mut table, &[way.name(), weight, passes, by_area], figures);
             }
         }
     }

@@ -18,15 +18,8 @@ pub fn study(decks: &Decks) -> Result<Findings, SolveError> {
 
 /// By description of the master, on the mesh of the deck.
 fn descriptions(decks: &Decks) -> Result<Findings, SolveError> {
-    let columns = [
-        "element",
-        "planes of symmetry",
-        "axial force over total at the end",
-        "largest of all increments",
-        "total at the end, N",
-        "iterations",
-        "cut-backs",
-    ];
+    let columns = "element | planes of symmetry | axial force over total at the end | \
+                   largest of all increments | total at the end, N | iterations | cut-backs";
     let mut table = Table::new("Pinch of a pipe: axial force of contact", columns);
     for way in SURFACES {
         // Layers of hulls end at the mesh.
@@ -51,7 +44,7 @@ fn descriptions(decks: &Decks) -> Result<Findings, SolveError> {
                     run.cutbacks.to_string(),
                 ]
             });
-            row(&mut table, [way.name(), if with_planes { "x, y, z" } else { "none" }], figures);
+            row(&mut table, &[way.name(), if with_planes { "x, y, z" } else { "none" }], figures);
         }
     }
     Ok(Findings { tables: vec![table], charts: Vec::new() })
@@ -112,17 +105,7 @@ const STIFF: f64 = 1e4;
 fn refined(decks: &Decks) -> Result<Findings, SolveError> {
     let mut table = Table::new(
         "Pinch of a pipe: axial force of contact on the pipe over the total, planes named",
-        [
-            "plate",
-            "pipe's cells",
-            "penalty",
-            "master",
-            "at 25 %",
-            "at 50 %",
-            "at 75 %",
-            "at the end",
-            "largest",
-        ],
+        "plate | pipe's cells | penalty | master | at 25 % | at 50 % | at 75 % | at the end | largest",
     );
     for is_stiff in [false, true] {
         // The normals of a flat plate that hardly deforms have no axial part.
@@ -148,13 +131,10 @@ fn refined(decks: &Decks) -> Result<Findings, SolveError> {
                     let largest = shares.fold(0.0, f64::max);
                     [at(0.25), at(0.5), at(0.75), at(1.0), format!("{largest:.3} %")]
                 });
-                let names = [
-                    if is_stiff { "10⁴ times as stiff" } else { "as stiff as the pipe" }.to_owned(),
-                    cells.map(|cells| cells.to_string()).join(" × "),
-                    format!("{penalty} ×"),
-                    if is_plate_master { "plate" } else { "pipe" }.to_owned(),
-                ];
-                row(&mut table, names, figures);
+                let stiffness = if is_stiff { "10⁴ times as stiff" } else { "as stiff as the pipe" };
+                let cells = cells.map(|cells| cells.to_string()).join(" × ");
+                let master = if is_plate_master { "plate" } else { "pipe" };
+                row(&mut table, &[stiffness, &cells, &format!("{penalty} ×"), master], figures);
             }
         }
     }

@@ -7,7 +7,7 @@ use super::{Decks, Findings, SURFACES, outcome, row};
 use crate::study::markdown::Table;
 
 pub fn study(decks: &Decks) -> Result<Findings, SolveError> {
-    let columns = ["element", "master", "increments", "cut-backs", "iterations", "force at the end"];
+    let columns = "element | master | increments | cut-backs | iterations | force at the end";
     let mut table = Table::new("Ring on a block: to the end of the deck's time", columns);
     for exchange in [false, true] {
         for way in SURFACES {
@@ -24,7 +24,7 @@ pub fn study(decks: &Decks) -> Result<Findings, SolveError> {
                 let [increments, cutbacks, iterations] = counts;
                 [increments, cutbacks, iterations, format!("{force:.1}")]
             });
-            row(&mut table, [way.name(), if exchange { "ring" } else { "block" }], figures);
+            row(&mut table, &[way.name(), if exchange { "ring" } else { "block" }], figures);
         }
     }
     Ok(Findings { tables: vec![table], charts: Vec::new() })

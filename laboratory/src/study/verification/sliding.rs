@@ -18,17 +18,8 @@ const DEGREES: f64 = 20.0;
 type Force = (f64, [f64; 3]);
 
 pub fn study(decks: &Decks) -> Result<Findings, SolveError> {
-    let columns = [
-        "element",
-        "facets",
-        "mean of F_z, N",
-        "F_z, peak to peak over mean",
-        "classic over diffuse",
-        "F_x, peak to peak over mean F_z",
-        "classic over diffuse",
-        "iterations",
-        "cut-backs",
-    ];
+    let columns = "element | facets | mean of F_z, N | F_z, peak to peak over mean | classic over diffuse | \
+                   F_x, peak to peak over mean F_z | classic over diffuse | iterations | cut-backs";
     let mut table = Table::new("Block on a turning cylinder: force while it turns", columns);
     let mut charts: [Vec<Curve>; 2] = Default::default();
     for (around, facets) in [(15, "6°"), (30, "3°"), (60, "1.5°")] {
@@ -45,7 +36,7 @@ pub fn study(decks: &Decks) -> Result<Findings, SolveError> {
                 }
             }
             let figures = run.map(|run| figures(&run, way, &mut classic));
-            row(&mut table, [way.name(), facets], figures);
+            row(&mut table, &[way.name(), facets], figures);
         }
     }
     let forces = [("pressing, exact constant", "F_z in N"), ("along the turn, exact constant", "F_x in N")];

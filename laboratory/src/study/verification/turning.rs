@@ -18,16 +18,8 @@ const RADIUS: f64 = 50.0;
 type Torque = [f64; 3];
 
 pub fn study(decks: &Decks) -> Result<Findings, SolveError> {
-    let columns = [
-        "element",
-        "master",
-        "largest torque, N mm",
-        "over R Σ f",
-        "classic over diffuse",
-        "Σ f at the end, N",
-        "iterations",
-        "cut-backs",
-    ];
+    let columns = "element | master | largest torque, N mm | over R Σ f | classic over diffuse | \
+                   Σ f at the end, N | iterations | cut-backs";
     let mut table = Table::new("Coaxial cylinders: torque of the turn, 0 if exact", columns);
     let mut curves = Vec::new();
     for (master, exchange) in [("ring", false), ("shaft", true)] {
@@ -43,7 +35,7 @@ pub fn study(decks: &Decks) -> Result<Findings, SolveError> {
                 curves.push(way.curve(points));
             }
             let figures = run.map(|run| figures(&run, way, &mut classic));
-            row(&mut table, [way.name(), master], figures);
+            row(&mut table, &[way.name(), master], figures);
         }
     }
     let title = "Coaxial cylinders: torque of the turn, exact 0";

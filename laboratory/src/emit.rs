@@ -4,7 +4,7 @@ use std::fmt::Write as _;
 use std::io::{self, Write};
 use std::path::PathBuf;
 
-use clap::{Args, value_parser};
+use clap::{Args, ValueEnum, value_parser};
 use diffuse_contact_codegen::contact::{emit_kernel, emit_single, emit_single_element};
 use diffuse_contact_codegen::emit::{KernelCounts, OpCounts, emit_c, emit_element_kernel};
 use diffuse_contact_codegen::{Basis, ElementKernels, FacetShape, FrameRule, KernelSpec, Mode, Output};
@@ -20,25 +20,12 @@ const NODES: [usize; 5] = [6, 9, 12, 16, 20];
 /// Most nodes that operations are counted for: their pairs are as many as half the square.
 const MOST_NODES: i64 = 1_000;
 
-/// Language of a kernel's source.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+/// Language of a kernel's source: Rust as the build script writes it, or C99 without any library.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
 pub enum Language {
-    /// Rust, as the build script writes it.
     #[default]
     Rust,
-    /// C99, without any library.
     C,
-}
-
-impl Language {
-    const ALL: [Self; 2] = [Self::Rust, Self::C];
-
-    const fn name(self) -> &'static str {
-        match self {
-            Self::Rust => "rust",
-            Self::C => "c",
-        }
-    }
 }
 
 /// Arguments of `emit`.
@@ -55,7 +42,7 @@ pub struct EmitArguments {
     #[arg(long, value_name = "SHAPE", value_parser = named(FacetShape::ALL, FacetShape::name), conflicts_with_all = ["nodes", "output", "frame_derivative", "counts", "basis", "weight"])]
     pub facet: Option<FacetShape>,
     /// Language of the kernel [default: rust]
-    #[arg(long, value_name = "LANGUAGE", value_parser = named(Language::ALL, Language::name), conflicts_with = "counts")]
+    #[arg(long, value_name = "LANGUAGE", value_enum, conflicts_with = "counts")]
     pub lang: Option<Language>,
     /// With how many derivatives
     #[arg(long, value_parser = named(Mode::ALL, Mode::name), required_unless_present = "counts")]

@@ -29,6 +29,8 @@ pub enum StudyError {
     /// Less of two bodies than their equally long cells fill. Both figures are half widths.
     #[error("--extent {extent}: it has to be above {least:.3}, where the equally long cells end")]
     NarrowBody { extent: f64, least: f64 },
+    #[error("--fine has no meaning beside {problem}")]
+    NoFineMeshes { problem: String },
     #[error("the plot cannot be drawn: {reason}")]
     Plot { reason: String },
     #[error(

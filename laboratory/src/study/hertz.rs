@@ -4,6 +4,7 @@
 //! Of both bodies there is what lies within many half widths of the contact, in a graded grid whose cells are equally long where they
 //! touch. What lies farther away changes how far they approach, not the pressure at a force: that of the run is put into the closed form.
 
+use clap::ValueEnum;
 use diffuse_contact::surface::SymmetryPlane;
 use diffuse_contact_solver::contact::SlaveState;
 use diffuse_contact_solver::deck::{Deck, Reference};
@@ -15,7 +16,7 @@ use diffuse_contact_solver::system::LinearSolverChoice;
 use diffuse_contact_solver::verification::{LineContact, PointContact, trace_model};
 
 use super::StudyError;
-use super::arguments::{HertzArguments, HertzBody};
+use super::arguments::{HertzArguments, HertzBody, name};
 use super::markdown::Table;
 use crate::error::CliError;
 use crate::output;
@@ -40,7 +41,7 @@ const INNER: f64 = 0.85;
 
 /// What is known of a body.
 struct Case {
-    name: &'static str,
+    name: String,
     /// Whether it is a slice in plane strain.
     is_slice: bool,
     /// About the half width of the contact at the end, length.
@@ -59,9 +60,9 @@ impl Case {
     /// The body as it is, or with another half width over radius, another extent or penalty, for meshes with so many cells.
     fn new(body: HertzBody, arguments: &HertzArguments, meshes: &[usize]) -> Result<Self, StudyError> {
         // Approaches over a²/R belong to the extents.
-        let (name, is_slice, half_width, extent, approach) = match body {
-            HertzBody::Cylinder => ("cylinder", true, 0.4, 20.0, 1.90625),
-            HertzBody::Ball => ("ball", false, 0.5, 10.0, 0.96),
+        let (is_slice, half_width, extent, approach) = match body {
+            HertzBody::Cylinder => (true, 0.4, 20.0, 1.90625),
+            HertzBody::Ball => (false, 0.5, 10.0, 0.96),
         };
         let radius = half_width / arguments.slenderness;
         let extent = arguments.extent.unwrap_or(extent);
@@ -78,7 +79,8 @@ impl Case {
             return Err(StudyError::WideBody { widest, radius });
         }
         let approach = approach * half_width * half_width / radius;
-        Ok(Self { name, is_slice, half_width, radius, extent, approach, penalty: arguments.penalty })
+        let (name, penalty) = (name(body), arguments.penalty);
+        Ok(Self { name, is_slice, half_width, radius, extent, approach, penalty })
     }
 
     /// From the line or the point of first touch.
@@ -87,13 +89,9 @@ impl Case {
     }
 }
 
-impl HertzBody {
-    const ALL: [Self; 2] = [Self::Cylinder, Self::Ball];
-}
-
 /// Solves all of them and prints a table.
 pub fn run(arguments: &HertzArguments) -> Result<(), CliError> {
-    let bodies = if arguments.bodies.is_empty() { &HertzBody::ALL[..] } else { &arguments.bodies };
+    let bodies = if arguments.bodies.is_empty() { HertzBody::value_variants() } else { &arguments.bodies };
     let meshes: Vec<usize> = (0..arguments.meshes)
         .rev()
         .map(|k| (f64::from(arguments.finest) * (2.0_f64 / 3.0).powi(k as i32)).round() as usize)
@@ -127,7 +125,7 @@ fn table(case: &Case, meshes: &[usize], threads: usize) -> Result<Table, SolveEr
             };
             let percent = |ratio: f64| format!("{:+.2} %", 100.0 * ratio);
             let row = [
-                if exchange { "block, the finer one".to_owned() } else { case.name.to_owned() },
+                if exchange { "block, the finer one".to_owned() } else { case.name.clone() },
                 format!("{cells}, {:.1}", cells as f64 / FINER),
                 format!("{:.2}", run.force),
                 format!("{:.4}", run.half_width),

@@ -17,6 +17,7 @@ mod turning;
 
 use std::path::{Path, PathBuf};
 
+use clap::ValueEnum;
 use diffuse_contact::faces::FaceRule;
 use diffuse_contact::interface::ContactElement;
 use diffuse_contact::neighbourhood::{NeighbourRule, SearchOptions};
@@ -28,7 +29,8 @@ use plotters::style::RGBColor;
 
 use crate::error::CliError;
 use crate::output;
-use crate::study::arguments::{VerificationArguments, VerificationProblem};
+use crate::study::StudyError;
+use crate::study::arguments::{VerificationArguments, VerificationProblem, name};
 use crate::study::error::of_deck;
 use crate::study::markdown::Table;
 use crate::study::plot::{Chart, Curve, Mark};
@@ -93,18 +95,17 @@ struct Findings {
 
 /// Solves the problems and prints their tables.
 pub fn run(arguments: &VerificationArguments) -> Result<(), CliError> {
+    let all = VerificationProblem::value_variants().iter().copied();
     let problems: Vec<VerificationProblem> = match &arguments.problems[..] {
-        [] if arguments.fine => {
-            VerificationProblem::ALL.into_iter().filter(|problem| problem.has_fine_meshes()).collect()
-        }
-        [] => VerificationProblem::ALL.to_vec(),
+        [] if arguments.fine => all.filter(|problem| problem.has_fine_meshes()).collect(),
+        [] => all.collect(),
         some => some.to_vec(),
     };
-    if let Some(problem) = problems.iter().find(|problem| arguments.fine && !problem.has_fine_meshes()) {
-        return Err(CliError::MeaninglessOption { option: "--fine", beside: problem.name() });
+    if let Some(&problem) = problems.iter().find(|problem| arguments.fine && !problem.has_fine_meshes()) {
+        return Err(StudyError::NoFineMeshes { problem: name(problem) }.into());
     }
     let picture = |problem: VerificationProblem| {
-        arguments.pictures.as_ref().map(|directory| directory.join(format!("{}.svg", problem.name())))
+        arguments.pictures.as_ref().map(|directory| directory.join(format!("{}.svg", name(problem))))
     };
     for path in problems.iter().filter_map(|&problem| picture(problem)).filter(|_| !arguments.fine) {
         output::check_target(&path)?;
@@ -112,7 +113,7 @@ pub fn run(arguments: &VerificationArguments) -> Result<(), CliError> {
     with_threads(arguments.threads, || {
         for &problem in &problems {
             let decks = Decks {
-                path: arguments.decks.join(format!("{}.toml", problem.name())),
+                path: arguments.decks.join(format!("{}.toml", name(problem))),
                 threads: arguments.threads.unwrap_or(1),
                 fine: arguments.fine,
             };

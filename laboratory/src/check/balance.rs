@@ -4,7 +4,7 @@
 //! slave over R times that.
 
 use diffuse_contact::{Element, Point};
-use diffuse_contact_codegen::{Basis, FrameRule, Output};
+use diffuse_contact_codegen::{FrameRule, Output};
 use serde::ser::{Serialize, SerializeStruct, Serializer};
 
 use super::blocks::{Subject, worse};
@@ -39,13 +39,6 @@ impl BalanceRow {
 
     pub(super) fn passes(&self) -> bool {
         self.worst.as_ref().is_some_and(Worst::passes)
-    }
-
-    pub(super) fn add(&mut self, difference: f64, (basis, nodes): (Basis, usize)) {
-        let new = Worst { difference, basis, nodes };
-        if self.worst.is_none_or(|worst| worst.gives_way_to(difference)) {
-            self.worst = Some(new);
-        }
     }
 }
 

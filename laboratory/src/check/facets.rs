@@ -11,7 +11,7 @@ use diffuse_contact_benches::Random;
 use diffuse_contact_codegen::FacetShape;
 use serde::ser::{Serialize, SerializeStruct, Serializer};
 
-use super::blocks::Part;
+use super::blocks::{Part, worse};
 use super::plan::{Against, MODES, TOLERANCE};
 use crate::interpreted_facets::InterpretedFacets;
 
@@ -47,10 +47,7 @@ impl FacetRow {
 
     fn add(&mut self, against: Against, difference: f64) {
         let worst = &mut self.worst[against as usize];
-        // A NaN stays.
-        if worst.is_none_or(|worst| !worst.is_nan() && !(difference <= worst)) {
-            *worst = Some(difference);
-        }
+        *worst = Some(worst.map_or(difference, |before| worse(before, difference)));
     }
 }
 

@@ -14,8 +14,6 @@ use super::facets::{FACETS, FacetRow};
 use super::plan::{Against, ELEMENTS, Plan, TOLERANCE, Tested};
 use crate::emit::frame_name;
 
-/// Width of the left column of the head.
-const LABEL: usize = 13;
 /// Width of the first column of the table.
 const SUBJECT: usize = 16;
 /// Failures listed before the rest is only counted.
@@ -37,9 +35,11 @@ impl Worst {
         self.difference <= TOLERANCE
     }
 
-    /// Whether another difference is worse. A NaN stays.
-    pub(super) fn gives_way_to(&self, difference: f64) -> bool {
-        !self.difference.is_nan() && !(difference <= self.difference)
+    /// Puts a difference into its place if it is worse than the one there. A NaN stays.
+    fn take(place: &mut Option<Self>, difference: f64, (basis, nodes): (Basis, usize)) {
+        if place.is_none_or(|worst| !worst.difference.is_nan() && !(difference <= worst.difference)) {
+            *place = Some(Self { difference, basis, nodes });
+        }
     }
 }
 
@@ -115,16 +115,13 @@ impl Report {
 
     pub(super) fn add(&mut self, block: Block, against: Against, difference: f64, at: (Basis, usize)) {
         let row = self.rows.iter_mut().find(|row| row.block == block).expect("every block has a row");
-        let worst = &mut row.worst[against as usize];
-        if worst.is_none_or(|worst| worst.gives_way_to(difference)) {
-            *worst = Some(Worst { difference, basis: at.0, nodes: at.1 });
-        }
+        Worst::take(&mut row.worst[against as usize], difference, at);
     }
 
     /// Adds the sums of an element's N, in the order of [`SUMS`](super::balance::SUMS).
     pub(super) fn add_balance(&mut self, subject: Subject, sums: [f64; 2], at: (Basis, usize)) {
         let rows = self.balance.iter_mut().filter(|row| row.subject == subject);
-        rows.zip(sums).for_each(|(row, sum)| row.add(sum, at));
+        rows.zip(sums).for_each(|(row, sum)| Worst::take(&mut row.worst, sum, at));
     }
 
     /// Adds what was found on other elements. Of equal differences the earlier one stays.
@@ -132,16 +129,13 @@ impl Report {
         self.elements += other.elements;
         self.smallest_pivot = self.smallest_pivot.min(other.smallest_pivot);
         self.smallest_plane_pivot = self.smallest_plane_pivot.min(other.smallest_plane_pivot);
-        for row in other.rows {
-            for (against, worst) in Against::ALL.into_iter().zip(row.worst) {
-                if let Some(Worst { difference, basis, nodes }) = worst {
-                    self.add(row.block, against, difference, (basis, nodes));
-                }
-            }
-        }
-        for (row, other) in self.balance.iter_mut().zip(other.balance) {
-            if let Some(Worst { difference, basis, nodes }) = other.worst {
-                row.add(difference, (basis, nodes));
+        let rows = self.rows.iter_mut().zip(other.rows);
+        let rows = rows.flat_map(|(row, other)| row.worst.iter_mut().zip(other.worst));
+        let sums =
+            self.balance.iter_mut().zip(other.balance).map(|(row, other)| (&mut row.worst, other.worst));
+        for (place, worst) in rows.chain(sums) {
+            if let Some(Worst { difference, basis, nodes }) = worst {
+                Worst::take(place, difference, (basis, nodes));
             }
         }
         self.failures.extend(other.failures);
@@ -185,64 +179,38 @@ impl Report {
     }
 
     fn head(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let mut line = |label: &str, text: &str| writeln!(f, "{label:<LABEL$}{text}");
-        if self.plan.weight.as_built_in().is_some() {
-            line("tested", "the generated kernels, in the modes value, gradient and Hessian")?;
-            if self.plan.tested(Output::Slip) == Tested::Interpreter {
-                line(
-                    "",
-                    "but of the slip the interpreter of their graph: built without the feature `friction`",
-                )?;
+        let tested = match (self.plan.weight.as_built_in(), self.plan.tested(Output::Slip)) {
+            (Some(_), Tested::Generated) => "the generated kernels, in the modes value, gradient and Hessian",
+            (Some(_), Tested::Interpreter) => {
+                "the generated kernels, in the modes value, gradient and Hessian
+             but of the slip the interpreter of their graph: built without the feature `friction`"
             }
-        } else {
-            line(
-                "tested",
-                "the interpreter of the kernels' graph, in the modes value, gradient and Hessian:",
-            )?;
-            line("", "no kernels of this weight are compiled into the program; `emit --weight` prints them")?;
-        }
-        line("weight", &self.plan.weight.description())?;
-        line("kernels", &format!("{}; coefficients, surface, gap, slip", self.ranges()))?;
-        line(
-            "elements",
-            &format!(
-                "{ELEMENTS} random ones per node count and basis, {} in all; seed {}",
-                self.elements, self.plan.seed
-            ),
-        )?;
-        line("", "(any unit, place and direction; some with a node straight under the slave, or beyond R)")?;
-        if !self.facets.is_empty() {
-            line(
-                "facets",
-                &format!("{FACETS} random triangles and {FACETS} quadrilaterals, flat and warped"),
-            )?;
-        }
-        line("frame", "held in any direction; for the gap also the average plane of the nodes, co-moving")?;
-        line(
-            "conditioning",
-            &format!(
-                "relative pivot of the fits at least {SMALLEST_PIVOT:e} (smallest here {:.1e}) and of the",
-                self.smallest_pivot
-            ),
-        )?;
-        line(
-            "",
-            &format!(
-                "average planes too ({:.1e}), foot Jacobian at least {SMALLEST_DETERMINANT}, foot within {LARGEST_FOOT_DISTANCE} R",
-                self.smallest_plane_pivot
-            ),
-        )?;
-        line(
-            "",
-            &format!(
-                "and M, ∇²q and H_f change by {LARGEST_CHANGE:e} at most with the last digits of the nodes"
-            ),
-        )?;
-        line(
-            "difference",
-            "largest over the largest entry of the block; values that may vanish over at least",
-        )?;
-        line("", "their natural scale if that is larger: R for lengths, 1 for slopes, 1/R for curvatures")
+            (None, _) => {
+                "the interpreter of the kernels' graph, in the modes value, gradient and Hessian:
+             no kernels of this weight are compiled into the program; `emit --weight` prints them"
+            }
+        };
+        let facets =
+            format!("\nfacets       {FACETS} random triangles and {FACETS} quadrilaterals, flat and warped");
+        let facets = if self.facets.is_empty() { "" } else { &facets };
+        let Self { plan: Plan { weight, seed, .. }, elements, smallest_pivot, smallest_plane_pivot, .. } =
+            self;
+        let (weight, ranges) = (weight.description(), self.ranges());
+        writeln!(
+            f,
+            "\
+tested       {tested}
+weight       {weight}
+kernels      {ranges}; coefficients, surface, gap, slip
+elements     {ELEMENTS} random ones per node count and basis, {elements} in all; seed {seed}
+             (any unit, place and direction; some with a node straight under the slave, or beyond R){facets}
+frame        held in any direction; for the gap also the average plane of the nodes, co-moving
+conditioning relative pivot of the fits at least {SMALLEST_PIVOT:e} (smallest here {smallest_pivot:.1e}) and of the
+             average planes too ({smallest_plane_pivot:.1e}), foot Jacobian at least {SMALLEST_DETERMINANT}, foot within {LARGEST_FOOT_DISTANCE} R
+             and M, ∇²q and H_f change by {LARGEST_CHANGE:e} at most with the last digits of the nodes
+difference   largest over the largest entry of the block; values that may vanish over at least
+             their natural scale if that is larger: R for lengths, 1 for slopes, 1/R for curvatures"
+        )
     }
 
     fn table(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {

@@ -10,7 +10,7 @@ use crate::generated::{element, gap_kernel, hessian_size, inputs};
 /// Elements of a batch: enough for several of the widest vectors, few enough for their results to stay in the cache.
 const BATCH: usize = 16;
 
-/// One batch after another, with the checks that [`GapOneByOne`](crate::generated::GapOneByOne) makes, too. Results are
+/// One batch after another, with the checks that [`one_by_one`](crate::generated::one_by_one) makes, too. Results are
 /// written element by element.
 pub struct GapInBatches<'a> {
     elements: &'a Elements,

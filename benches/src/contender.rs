@@ -73,10 +73,10 @@ pub struct Contender {
     pub kernel: &'static str,
     /// What is computed.
     pub output: Output,
-    /// Makes room for a set of elements; `None` if the contender is not compiled for their number of nodes. The
+    /// Makes room for a set of elements and the output; `None` if the contender is not compiled for their number of nodes. The
     /// generated kernels are run with the vector instructions given; the others, and the kernel of the surface, are
     /// compiled for those of the program.
-    pub prepare: for<'a> fn(&'a Elements, Isa) -> Option<Box<dyn Run + 'a>>,
+    pub prepare: for<'a> fn(&'a Elements, Output, Isa) -> Option<Box<dyn Run + 'a>>,
     /// Whether [`operations`](crate::operations) counts what it does.
     pub counted: bool,
 }

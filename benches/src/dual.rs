@@ -9,7 +9,7 @@ use nalgebra::{Const, U1};
 use num_dual::{Dual2SVec64, DualNum, HyperDual64};
 
 use crate::Elements;
-use crate::contender::Run;
+use crate::contender::{Output, Run};
 use crate::one_by_one::OneByOne;
 
 /// Most Newton iterations for the foot on reals.
@@ -48,7 +48,7 @@ fn one_by_one(
     elements: &Elements,
     gap: fn(&Element<'_>, &mut [f64], &mut [f64]) -> Option<f64>,
 ) -> Box<dyn Run + '_> {
-    Box::new(OneByOne::new(elements, move |elements, index, gradient, hessian| {
+    Box::new(OneByOne::new(elements, Output::GapHessian, move |elements, index, gradient, hessian| {
         gap(&elements.held(index), gradient, hessian)
     }))
 }

@@ -8,6 +8,7 @@ use diffuse_contact_kernels::support::{
 
 use crate::Elements;
 use crate::contender::{Evaluation, NoResult, Output, Run};
+use crate::one_by_one::OneByOne;
 
 /// There is no set of vector instructions of a name.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
@@ -43,107 +44,25 @@ pub const fn compiled_for() -> &'static str {
 /// In-plane offset from the slave at which surfaces are evaluated, over the support radius.
 pub const SURFACE_POINT: [f64; 2] = [0.05, -0.08];
 
-/// One element after another, with the checks of [`Generated::gap_into`](diffuse_contact::Generated::gap_into).
-pub struct GapOneByOne<'a> {
-    elements: &'a Elements,
-    output: Output,
-    isa: Isa,
-    next: usize,
-    gradient: Vec<f64>,
-    hessian: Vec<f64>,
-}
-
-impl<'a> GapOneByOne<'a> {
-    /// For these elements; `output` is one of the gap's.
-    ///
-    /// # Panics
-    /// If the output is a surface.
-    pub fn new(elements: &'a Elements, output: Output, isa: Isa) -> Self {
-        let (gradient, hessian) = (elements.degrees_of_freedom(), hessian_size(elements, output));
-        let _ = gap_kernel(output);
-        Self { elements, output, isa, next: 0, gradient: vec![0.0; gradient], hessian: vec![0.0; hessian] }
+/// One element after another, a gap with the checks of [`Generated::gap_into`](diffuse_contact::Generated::gap_into).
+pub fn one_by_one(elements: &Elements, output: Output, isa: Isa) -> Box<dyn Run + '_> {
+    if output == Output::SurfaceHessian {
+        return Box::new(OneByOne::new(elements, output, |elements, index, gradients, hessian| {
+            let element = elements.held(index);
+            let inputs = inputs(&element, SURFACE_POINT.map(|u| u * element.support_radius));
+            let values: SurfaceValues<f64> =
+                Cubic::surface(Basis::Quadratic, Mode::Hessian, &inputs, gradients, hessian);
+            (values.status() == Status::Ok).then(|| std::hint::black_box(values).value)
+        }));
     }
-
-    #[inline]
-    fn evaluate(&mut self, index: usize) -> Result<f64, NoResult> {
-        let element = element(self.elements, self.output, index);
-        element.validate().map_err(|_| NoResult { element: index })?;
-        let inputs = inputs(&element, [0.0; 2]);
-        let kernel = gap_kernel(self.output);
-        let values = Cubic::gap(self.isa, kernel, &inputs, &mut self.gradient, &mut self.hessian);
-        match values.status() {
-            // Foot and normal count as used, too.
-            Status::Ok => Ok(std::hint::black_box(values).gap),
-            _ => Err(NoResult { element: index }),
-        }
-    }
-}
-
-impl Run for GapOneByOne<'_> {
-    fn run(&mut self, count: usize) -> Result<(), NoResult> {
-        for _ in 0..count {
-            self.evaluate(self.next)?;
-            std::hint::black_box((&mut self.gradient, &mut self.hessian));
-            self.next = if self.next + 1 == self.elements.len() { 0 } else { self.next + 1 };
-        }
-        Ok(())
-    }
-
-    fn evaluation(&mut self, element: usize) -> Result<Evaluation, NoResult> {
-        self.gradient.fill(f64::NAN);
-        self.hessian.fill(f64::NAN);
-        let value = self.evaluate(element)?;
-        Ok(Evaluation { value, gradient: self.gradient.clone(), hessian: self.hessian.clone() })
-    }
-}
-
-/// The surface kernel on one element after another.
-pub struct SurfaceOneByOne<'a> {
-    elements: &'a Elements,
-    next: usize,
-    /// ∇f, T_1, T_2, one after another.
-    gradients: Vec<f64>,
-    hessian: Vec<f64>,
-}
-
-impl<'a> SurfaceOneByOne<'a> {
-    /// For these elements.
-    pub fn new(elements: &'a Elements) -> Self {
-        let freedoms = elements.degrees_of_freedom();
-        let hessian = vec![0.0; freedoms * (freedoms + 1) / 2];
-        Self { elements, next: 0, gradients: vec![0.0; 3 * freedoms], hessian }
-    }
-
-    #[inline]
-    fn evaluate(&mut self, index: usize) -> Result<f64, NoResult> {
-        let element = self.elements.held(index);
-        let inputs = inputs(&element, SURFACE_POINT.map(|u| u * element.support_radius));
-        let values: SurfaceValues<f64> =
-            Cubic::surface(Basis::Quadratic, Mode::Hessian, &inputs, &mut self.gradients, &mut self.hessian);
-        match values.status() {
-            Status::Ok => Ok(std::hint::black_box(values).value),
-            _ => Err(NoResult { element: index }),
-        }
-    }
-}
-
-impl Run for SurfaceOneByOne<'_> {
-    fn run(&mut self, count: usize) -> Result<(), NoResult> {
-        for _ in 0..count {
-            self.evaluate(self.next)?;
-            std::hint::black_box((&mut self.gradients, &mut self.hessian));
-            self.next = if self.next + 1 == self.elements.len() { 0 } else { self.next + 1 };
-        }
-        Ok(())
-    }
-
-    fn evaluation(&mut self, element: usize) -> Result<Evaluation, NoResult> {
-        self.gradients.fill(f64::NAN);
-        self.hessian.fill(f64::NAN);
-        let value = self.evaluate(element)?;
-        let gradient = self.gradients[..self.elements.degrees_of_freedom()].to_vec();
-        Ok(Evaluation { value, gradient, hessian: self.hessian.clone() })
-    }
+    let kernel = gap_kernel(output);
+    Box::new(OneByOne::new(elements, output, move |elements, index, gradient, hessian| {
+        let element = element(elements, output, index);
+        element.validate().ok()?;
+        let values = Cubic::gap(isa, kernel, &inputs(&element, [0.0; 2]), gradient, hessian);
+        // Foot and normal count as used, too.
+        (values.status() == Status::Ok).then(|| std::hint::black_box(values).gap)
+    }))
 }
 
 #[cfg(feature = "rivals")]
@@ -230,8 +149,5 @@ pub(crate) fn inputs<'a>(element: &Element<'a>, point: [f64; 2]) -> ElementInput
 /// # Errors
 /// [`NoResult`] if the element has none.
 pub fn reference(elements: &Elements, output: Output, index: usize) -> Result<Evaluation, NoResult> {
-    match output {
-        Output::SurfaceHessian => SurfaceOneByOne::new(elements).evaluation(index),
-        _ => GapOneByOne::new(elements, output, Isa::best()).evaluation(index),
-    }
+    one_by_one(elements, output, Isa::best()).evaluation(index)
 }

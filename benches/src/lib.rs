@@ -32,7 +32,6 @@ pub mod elements;
 pub mod generated;
 #[cfg(feature = "rivals")]
 pub mod measure;
-#[cfg(feature = "rivals")]
 mod one_by_one;
 pub mod peak;
 pub mod random;

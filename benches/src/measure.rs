@@ -116,7 +116,7 @@ fn measure_nodes(
     let elements = Elements::new(nodes, plan.elements)?;
     let mut entrants = Vec::new();
     for &contender in chosen {
-        let Some(mut run) = (contender.prepare)(&elements, plan.isa) else {
+        let Some(mut run) = (contender.prepare)(&elements, contender.output, plan.isa) else {
             report.absent.push(Absent { nodes, kernel: contender.kernel, output: contender.output });
             continue;
         };
@@ -240,8 +240,8 @@ mod tests {
         for nodes in [6, 9] {
             let elements = Elements::new(nodes, 4).unwrap();
             for contender in CONTENDERS {
-                let mut run =
-                    (contender.prepare)(&elements, Isa::best()).expect("compiled for 6 and 9 nodes");
+                let mut run = (contender.prepare)(&elements, contender.output, Isa::best())
+                    .expect("compiled for 6 and 9 nodes");
                 compare(&contender, run.as_mut(), &elements).unwrap();
                 run.run(6).unwrap();
             }
@@ -254,7 +254,8 @@ mod tests {
         let elements = Elements::new(8, 21).unwrap();
         for isa in Isa::available() {
             for contender in CONTENDERS.into_iter().filter(|x| x.kernel.starts_with("generated")) {
-                let mut run = (contender.prepare)(&elements, isa).expect("for any number of nodes");
+                let mut run =
+                    (contender.prepare)(&elements, contender.output, isa).expect("for any number of nodes");
                 compare(&contender, run.as_mut(), &elements).unwrap();
                 run.run(50).unwrap();
             }

@@ -1,10 +1,11 @@
 //! Contenders that take one element after another.
 
 use crate::Elements;
-use crate::contender::{Evaluation, NoResult, Run};
+use crate::contender::{Evaluation, NoResult, Output, Run};
+use crate::generated::hessian_size;
 
 /// A contender that takes one element after another: `evaluate` computes element `index` into gradient and Hessian and
-/// returns the gap.
+/// returns the gap, or the value of a surface.
 pub(crate) struct OneByOne<'a, F> {
     elements: &'a Elements,
     evaluate: F,
@@ -17,10 +18,11 @@ impl<'a, F> OneByOne<'a, F>
 where
     F: FnMut(&Elements, usize, &mut [f64], &mut [f64]) -> Option<f64>,
 {
-    pub(crate) fn new(elements: &'a Elements, evaluate: F) -> Self {
-        let freedoms = elements.degrees_of_freedom();
-        let hessian = vec![0.0; freedoms * (freedoms + 1) / 2];
-        Self { elements, evaluate, next: 0, gradient: vec![0.0; freedoms], hessian }
+    /// With room for what the output has; T_1 and T_2 of a surface follow its gradient.
+    pub(crate) fn new(elements: &'a Elements, output: Output, evaluate: F) -> Self {
+        let gradients = if output == Output::SurfaceHessian { 3 } else { 1 };
+        let gradient = vec![0.0; gradients * elements.degrees_of_freedom()];
+        Self { elements, evaluate, next: 0, gradient, hessian: vec![0.0; hessian_size(elements, output)] }
     }
 }
 
@@ -44,6 +46,7 @@ where
         self.hessian.fill(f64::NAN);
         let value = (self.evaluate)(self.elements, element, &mut self.gradient, &mut self.hessian)
             .ok_or(NoResult { element })?;
-        Ok(Evaluation { value, gradient: self.gradient.clone(), hessian: self.hessian.clone() })
+        let gradient = self.gradient[..self.elements.degrees_of_freedom()].to_vec();
+        Ok(Evaluation { value, gradient, hessian: self.hessian.clone() })
     }
 }

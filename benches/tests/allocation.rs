@@ -36,7 +36,7 @@ static COUNTING: Counting = Counting;
 fn runs_do_not_allocate() {
     let elements = Elements::new(9, 4).unwrap();
     for contender in CONTENDERS.into_iter().filter(|contender| contender.output != Output::SurfaceHessian) {
-        let mut run = (contender.prepare)(&elements, Isa::best()).unwrap();
+        let mut run = (contender.prepare)(&elements, contender.output, Isa::best()).unwrap();
         // The first element of a thread makes room for those after it.
         run.run(1).unwrap();
         let before = ALLOCATIONS.get();

@@ -9,7 +9,7 @@ use std::error::Error;
 use std::process::ExitCode;
 
 use diffuse_contact_benches::batch::GapInBatches;
-use diffuse_contact_benches::generated::GapOneByOne;
+use diffuse_contact_benches::generated::one_by_one;
 use diffuse_contact_benches::{Elements, Output, Run, isa_named};
 
 /// Elements of a round.
@@ -33,7 +33,7 @@ fn work(arguments: &[String]) -> Result<(), Box<dyn Error>> {
     let (isa, output) = (isa_named(isa)?, Output::GapCoMovingHessian);
     let elements = Elements::new(nodes.parse()?, ELEMENTS)?;
     let mut run: Box<dyn Run> = match shape.as_str() {
-        "single" => Box::new(GapOneByOne::new(&elements, output, isa)),
+        "single" => one_by_one(&elements, output, isa),
         "batch" => Box::new(GapInBatches::new(&elements, output, isa)),
         _ => return Err(format!("the shapes are single and batch, not {shape}").into()),
     };

@@ -23,7 +23,7 @@ use nalgebra::{Matrix2, Matrix2x3, Matrix3, Matrix6x3, SMatrix, Vector3, Vector6
 use fit::{Node, cholesky, foot, inverse, moments};
 
 use crate::Elements;
-use crate::contender::Run;
+use crate::contender::{Output, Run};
 use crate::one_by_one::OneByOne;
 
 /// a b + c, fused where the compiler may use the instruction: elsewhere that would be a call.
@@ -74,7 +74,7 @@ pub fn prepare(elements: &Elements) -> Option<Box<dyn Run + '_>> {
 
 fn boxed<const N: usize, const C: usize>(elements: &Elements) -> Box<dyn Run + '_> {
     let mut by_hand = ByHand::<N, C>::default();
-    Box::new(OneByOne::new(elements, move |elements, index, gradient, hessian| {
+    Box::new(OneByOne::new(elements, Output::GapHessian, move |elements, index, gradient, hessian| {
         let point = by_hand.gap(&elements.held(index), gradient, hessian)?;
         // Foot and normal count as used, too.
         Some(std::hint::black_box(point).gap)

@@ -5,9 +5,9 @@ use diffuse_contact::Weight;
 use diffuse_contact_solver::deck::Contact;
 use diffuse_contact_solver::output::Fields;
 use diffuse_contact_solver::solve::SolveError;
-use diffuse_contact_solver::verification::{LineContact, trace};
+use diffuse_contact_solver::verification::LineContact;
 
-use super::{Decks, Findings, Way, divide, outcome, percent, row};
+use super::{Decks, Findings, Way, divide, percent, row};
 use crate::study::markdown::Table;
 
 /// Ways, weights of the fit, and cells of the cylinder's core, 20 in the deck.
@@ -46,7 +46,7 @@ pub fn study(decks: &Decks) -> Result<Findings, SolveError> {
         for interface in &mut deck.interfaces {
             interface.surface.element = interface.surface.element.with_weight(weight);
         }
-        let run = outcome(trace(&deck, decks.base(), decks.threads, |snapshot| {
+        let run = decks.trace(&deck, |snapshot| {
             // Half of the cylinder is modelled.
             let force = 2.0 * snapshot.contact_force()[1].abs() / LENGTH;
             let exact = LineContact { force, radius: RADIUS, modulus: MODULUS };
@@ -55,7 +55,7 @@ pub fn study(decks: &Decks) -> Result<Findings, SolveError> {
             let place = |node: usize| snapshot.problem.start_positions()[node][0].abs();
             let nodes = snapshot.slaves().map(|slave| slave.node);
             Ok(nodes.map(|node| [place(node) / half_width, pressures[node] / peak]).collect())
-        }))?;
+        })?;
         let figures = run.map(|run| {
             let nodes: &[Node] = run.measures.last().map_or(&[], Vec::as_slice);
             let [[rms, largest], [inner_rms, inner_largest]] = BOUNDS.map(|bound| errors(nodes, bound));
@@ -72,7 +72,7 @@ pub fn study(decks: &Decks) -> Result<Findings, SolveError> {
         let weight = if way.element == Contact::Diffuse { weight.name() } else { "–" };
         row(&mut table, &[way.name(), weight, &cells.to_string()], figures);
     }
-    Ok(Findings { tables: vec![table], charts: Vec::new() })
+    Ok(Findings { table, charts: Vec::new() })
 }
 
 fn error([distance, pressure]: Node) -> f64 {

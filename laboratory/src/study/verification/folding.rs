@@ -5,9 +5,9 @@ use diffuse_contact::surface::tributary_areas;
 use diffuse_contact_solver::contact::Integration;
 use diffuse_contact_solver::deck::Deck;
 use diffuse_contact_solver::solve::SolveError;
-use diffuse_contact_solver::verification::{largest_kink, trace};
+use diffuse_contact_solver::verification::largest_kink;
 
-use super::{Decks, Findings, Way, outcome, percent, row};
+use super::{Decks, Findings, Way, percent, row};
 use crate::study::markdown::Table;
 
 const WAYS: [Way; 4] = [Way::DIFFUSE_OVER_FACES, Way::DIFFUSE, Way::FACETS_OVER_FACES, Way::FACETS];
@@ -23,26 +23,27 @@ pub fn study(decks: &Decks, title: &str) -> Result<Findings, SolveError> {
             interface.integration =
                 if way.over_faces { Integration::Faces(FaceRule::default()) } else { Integration::Nodes };
         }
-        let figures = outcome(pressed(&deck, decks))?;
-        row(&mut table, &[way.name()], figures);
+        row(&mut table, &[way.name()], pressed(&deck, decks)?);
     }
-    Ok(Findings { tables: vec![table], charts: Vec::new() })
+    Ok(Findings { table, charts: Vec::new() })
 }
 
-fn pressed(deck: &Deck, decks: &Decks) -> Result<[String; 5], SolveError> {
+fn pressed(deck: &Deck, decks: &Decks) -> Result<Result<[String; 5], String>, SolveError> {
     let own = deck.interfaces.iter().position(|interface| interface.self_contact).unwrap_or(0);
     let model = deck.model(decks.base())?;
     let facets = deck.sides(&model, &deck.interfaces[own])?.master;
     // Checked when the model was made.
     let area: f64 = tributary_areas(&model.nodes, &facets).unwrap_or_default().iter().sum();
     let size = (area / facets.len() as f64).sqrt();
-    let run = trace(deck, decks.base(), decks.threads, |snapshot| {
+    let run = decks.trace(deck, |snapshot| {
         let depth = snapshot.problem.contacts().interactions()[own].max_penetration();
         Ok((depth / size, [snapshot.record.time, snapshot.record.contacts[own].normal]))
     })?;
-    let deepest = run.measures.iter().map(|(depth, _)| *depth).fold(0.0, f64::max);
-    let curve: Vec<[f64; 2]> = run.measures.iter().map(|(_, point)| *point).collect();
-    let [increments, cutbacks, iterations] =
-        [run.measures.len(), run.cutbacks, run.iterations].map(|count| count.to_string());
-    Ok([increments, cutbacks, iterations, percent(deepest), percent(largest_kink(&curve))])
+    Ok(run.map(|run| {
+        let deepest = run.measures.iter().map(|(depth, _)| *depth).fold(0.0, f64::max);
+        let curve: Vec<[f64; 2]> = run.measures.iter().map(|(_, point)| *point).collect();
+        let [increments, cutbacks, iterations] =
+            [run.measures.len(), run.cutbacks, run.iterations].map(|count| count.to_string());
+        [increments, cutbacks, iterations, percent(deepest), percent(largest_kink(&curve))]
+    }))
 }

@@ -5,11 +5,11 @@ use diffuse_contact_solver::deck::{Boundary, Deck, PartSource, Reference};
 use diffuse_contact_solver::model::Motion;
 use diffuse_contact_solver::model::shape::{Block, Shape};
 use diffuse_contact_solver::solve::SolveError;
-use diffuse_contact_solver::verification::{LineContact, PointContact, PressureProfile, Trace, trace};
+use diffuse_contact_solver::verification::{LineContact, PointContact, PressureProfile, Trace};
 use plotters::style::BLACK;
 
 use super::plot::chart;
-use super::{Decks, Findings, Way, divide, outcome, percent, row};
+use super::{Decks, Findings, Way, divide, percent, row};
 use crate::study::markdown::Table;
 use crate::study::plot::{Chart, Curve, Mark};
 
@@ -133,7 +133,9 @@ fn study(decks: &Decks, problem: &Problem) -> Result<Findings, SolveError> {
                     }
                     (true, None) => continue,
                 };
-                let run = outcome(press(&deck, decks, problem))?;
+                let run = decks.trace(&deck, |snapshot| {
+                    Ok((snapshot.contact_force()[2].abs(), PressureProfile::of(snapshot, problem.distance)))
+                })?;
                 let is_charted = exchange && mesh.body == problem.meshes[problem.charted].body;
                 if let (Ok(run), true) = (&run, is_charted) {
                     curves.extend(curve(run, problem, way, modulus));
@@ -145,7 +147,7 @@ fn study(decks: &Decks, problem: &Problem) -> Result<Findings, SolveError> {
         }
     }
     let charts = if curves.is_empty() { vec![] } else { vec![pressures(problem, curves)] };
-    Ok(Findings { tables: vec![table], charts })
+    Ok(Findings { table, charts })
 }
 
 /// The curves with the closed form over them.
@@ -191,12 +193,6 @@ fn soften(deck: &mut Deck, problem: &Problem, cells: usize) {
     for interface in &mut deck.interfaces {
         interface.master = std::mem::replace(&mut interface.slave, named("floor.z+"));
     }
-}
-
-fn press(deck: &Deck, decks: &Decks, problem: &Problem) -> Result<Trace<Press>, SolveError> {
-    trace(deck, decks.base(), decks.threads, |snapshot| {
-        Ok((snapshot.contact_force()[2].abs(), PressureProfile::of(snapshot, problem.distance)))
-    })
 }
 
 fn figures(run: &Trace<Press>, problem: &Problem, modulus: f64) -> [String; 7] {

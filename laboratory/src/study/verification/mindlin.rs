@@ -2,11 +2,11 @@
 
 use diffuse_contact_solver::deck::Contact;
 use diffuse_contact_solver::solve::SolveError;
-use diffuse_contact_solver::verification::{LineContact, PartialSlip, Trace, TractionProfile, trace};
+use diffuse_contact_solver::verification::{LineContact, PartialSlip, Trace, TractionProfile};
 use plotters::style::BLACK;
 
 use super::plot::chart;
-use super::{Decks, Findings, Way, divide, outcome, row};
+use super::{Decks, Findings, Way, divide, row};
 use crate::study::markdown::Table;
 use crate::study::plot::{Curve, Mark};
 
@@ -33,7 +33,12 @@ pub fn study(decks: &Decks) -> Result<Findings, SolveError> {
             let mut deck = decks.by(way)?;
             divide(&mut deck, "lower", &[lower, layers, 1]);
             divide(&mut deck, "upper", &[upper, layers, 1]);
-            let run = outcome(pushed(&deck, decks))?;
+            let run = decks.trace(&deck, |snapshot| {
+                let [push, _, force] = snapshot.contact_force().map(|sum| sum.abs() / LENGTH);
+                let line = LineContact { force, radius: RADIUS, modulus: MODULUS };
+                let exact = PartialSlip { line, coefficient: COEFFICIENT, push };
+                Ok((exact, TractionProfile::of(snapshot, 0)))
+            })?;
             if let (Ok(run), false, Contact::Diffuse) = (&run, fine, way.element)
                 && cells == MESHES[1].0
             {
@@ -46,16 +51,7 @@ pub fn study(decks: &Decks) -> Result<Findings, SolveError> {
     let title = "Cylinders that stick in the middle: traction over μ p₀";
     let charts =
         if curves.is_empty() { vec![] } else { vec![chart(title, ["x / a", "q / (μ p₀)"], curves)] };
-    Ok(Findings { tables: vec![table], charts })
-}
-
-fn pushed(deck: &diffuse_contact_solver::deck::Deck, decks: &Decks) -> Result<Trace<Pushed>, SolveError> {
-    trace(deck, decks.base(), decks.threads, |snapshot| {
-        let [push, _, force] = snapshot.contact_force().map(|sum| sum.abs() / LENGTH);
-        let line = LineContact { force, radius: RADIUS, modulus: MODULUS };
-        let exact = PartialSlip { line, coefficient: COEFFICIENT, push };
-        Ok((exact, TractionProfile::of(snapshot, 0)))
-    })
+    Ok(Findings { table, charts })
 }
 
 fn figures(run: &Trace<Pushed>) -> [String; 9] {

@@ -23,8 +23,10 @@ use diffuse_contact::interface::ContactElement;
 use diffuse_contact::neighbourhood::{NeighbourRule, SearchOptions};
 use diffuse_contact_solver::contact::Integration;
 use diffuse_contact_solver::deck::{Contact, Deck, DeckError};
+use diffuse_contact_solver::solid::SolidError;
 use diffuse_contact_solver::solve::SolveError;
 use diffuse_contact_solver::statics::StaticsError;
+use diffuse_contact_solver::verification::{Snapshot, Trace, trace};
 use plotters::style::RGBColor;
 
 use crate::error::CliError;
@@ -88,7 +90,7 @@ impl Way {
 
 /// What a problem gave.
 struct Findings {
-    tables: Vec<Table>,
+    table: Table,
     /// Charts, one above the other.
     charts: Vec<Chart>,
 }
@@ -131,12 +133,12 @@ pub fn run(arguments: &VerificationArguments) -> Result<(), CliError> {
                 VerificationProblem::CrushedSerpentine => folding::study(&decks, "Crushed serpentine"),
                 VerificationProblem::CoilSpring => folding::study(&decks, "Coil spring"),
             };
-            let Findings { tables, charts } = findings.map_err(of_deck)?;
+            let Findings { table, charts } = findings.map_err(of_deck)?;
             if let (Some(path), false) = (picture(problem), charts.is_empty()) {
                 let svg = plot::draw(&charts)?;
                 output::write_file(&path, |writer| writer.write_all(svg.as_bytes()))?;
             }
-            output::write_stdout(|writer| tables.iter().try_for_each(|table| writeln!(writer, "{table}")))?;
+            output::write_stdout(|writer| writeln!(writer, "{table}"))?;
         }
         Ok(())
     })
@@ -183,16 +185,20 @@ impl Decks {
     fn base(&self) -> &Path {
         self.path.parent().unwrap_or(Path::new(""))
     }
-}
 
-/// A run that found no equilibrium is a result like others: its reason stands in the place of the numbers.
-fn outcome<T>(run: Result<T, SolveError>) -> Result<Result<T, String>, SolveError> {
-    match run {
-        Ok(found) => Ok(Ok(found)),
-        Err(SolveError::Statics(StaticsError::NoConvergence { time, .. })) => {
-            Ok(Err(format!("no equilibrium beyond t = {time:.3}")))
+    /// Runs a deck. That it finds no equilibrium is a result like others: the reason stands in the place of the numbers.
+    fn trace<T>(
+        &self,
+        deck: &Deck,
+        measure: impl FnMut(&Snapshot<'_>) -> Result<T, SolidError>,
+    ) -> Result<Result<Trace<T>, String>, SolveError> {
+        match trace(deck, self.base(), self.threads, measure) {
+            Ok(run) => Ok(Ok(run)),
+            Err(SolveError::Statics(StaticsError::NoConvergence { time, .. })) => {
+                Ok(Err(format!("no equilibrium beyond t = {time:.3}")))
+            }
+            Err(error) => Err(error),
         }
-        Err(error) => Err(error),
     }
 }
 

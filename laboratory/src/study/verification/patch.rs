@@ -3,9 +3,9 @@
 use diffuse_contact::Weight;
 use diffuse_contact_solver::deck::Contact;
 use diffuse_contact_solver::solve::SolveError;
-use diffuse_contact_solver::verification::{Trace, Uniformity, trace};
+use diffuse_contact_solver::verification::{Trace, Uniformity};
 
-use super::{Decks, Findings, Way, outcome, row};
+use super::{Decks, Findings, Way, row};
 use crate::study::markdown::Table;
 
 /// Axis and size of the deck's pressure.
@@ -56,9 +56,7 @@ pub fn study(decks: &Decks) -> Result<Findings, SolveError> {
                         interface.penalty = interface.penalty.map(|penalty| 5.0 * penalty);
                     }
                 }
-                let run = outcome(trace(&deck, decks.base(), decks.threads, |snapshot| {
-                    Uniformity::of(snapshot, AXIS, pressure)
-                }))?;
+                let run = decks.trace(&deck, |snapshot| Uniformity::of(snapshot, AXIS, pressure))?;
                 let figures = run.map(|run| figures(&run, areas && !two_pass));
                 let weight = if way.element == Contact::Diffuse { weight.name() } else { "–" };
                 let by_area = if areas { "yes" } else { "no" };
@@ -66,7 +64,7 @@ pub fn study(decks: &Decks) -> Result<Findings, SolveError> {
             }
         }
     }
-    Ok(Findings { tables: vec![table], charts: Vec::new() })
+    Ok(Findings { table, charts: Vec::new() })
 }
 
 /// The cells of a run, with what the contact pressure is off where it can be told.

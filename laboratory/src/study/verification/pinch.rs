@@ -4,9 +4,8 @@ use diffuse_contact::surface::SymmetryPlane;
 use diffuse_contact_solver::deck::{Deck, DeckError, Reference};
 use diffuse_contact_solver::material::Material;
 use diffuse_contact_solver::solve::SolveError;
-use diffuse_contact_solver::verification::trace;
 
-use super::{Decks, Findings, SURFACES, Way, divide, outcome, row};
+use super::{Decks, Findings, SURFACES, Way, divide, row};
 use crate::study::markdown::Table;
 
 /// The axis of the pipe, whose end z = 0 stays in its plane.
@@ -29,8 +28,7 @@ fn descriptions(decks: &Decks) -> Result<Findings, SolveError> {
             if with_planes {
                 name_planes(&mut deck);
             }
-            let run =
-                outcome(trace(&deck, decks.base(), decks.threads, |snapshot| Ok(snapshot.contact_force())))?;
+            let run = decks.trace(&deck, |snapshot| Ok(snapshot.contact_force()))?;
             let figures = run.map(|run| {
                 let total = |force: &[f64; 3]| force.iter().map(|f| f * f).sum::<f64>().sqrt();
                 let share = |force: &[f64; 3]| force[AXIS].abs() / total(force);
@@ -47,7 +45,7 @@ fn descriptions(decks: &Decks) -> Result<Findings, SolveError> {
             row(&mut table, &[way.name(), if with_planes { "x, y, z" } else { "none" }], figures);
         }
     }
-    Ok(Findings { tables: vec![table], charts: Vec::new() })
+    Ok(Findings { table, charts: Vec::new() })
 }
 
 fn name_planes(deck: &mut Deck) {
@@ -115,9 +113,8 @@ fn refined(decks: &Decks) -> Result<Findings, SolveError> {
             {
                 let way = Refined { cells, penalty, is_stiff, is_plate_master };
                 let deck = way.deck(decks)?;
-                let run = outcome(trace(&deck, decks.base(), decks.threads, |snapshot| {
-                    Ok((snapshot.record.time, snapshot.contact_force()))
-                }))?;
+                let run =
+                    decks.trace(&deck, |snapshot| Ok((snapshot.record.time, snapshot.contact_force())))?;
                 let figures = run.map(|run| {
                     // Forces are those on the slave.
                     let sign = if is_plate_master { 100.0 } else { -100.0 };
@@ -138,7 +135,7 @@ fn refined(decks: &Decks) -> Result<Findings, SolveError> {
             }
         }
     }
-    Ok(Findings { tables: vec![table], charts: Vec::new() })
+    Ok(Findings { table, charts: Vec::new() })
 }
 
 /// The share when this part of the time has passed, however long the increments were; nothing without a force.

@@ -1,9 +1,8 @@
 //! A ring pressed on a block: what large sliding costs.
 
 use diffuse_contact_solver::solve::SolveError;
-use diffuse_contact_solver::verification::trace;
 
-use super::{Decks, Findings, SURFACES, outcome, row};
+use super::{Decks, Findings, SURFACES, row};
 use crate::study::markdown::Table;
 
 pub fn study(decks: &Decks) -> Result<Findings, SolveError> {
@@ -15,8 +14,7 @@ pub fn study(decks: &Decks) -> Result<Findings, SolveError> {
             for interface in &mut deck.interfaces {
                 interface.exchange = exchange;
             }
-            let run =
-                outcome(trace(&deck, decks.base(), decks.threads, |snapshot| Ok(snapshot.contact_force())))?;
+            let run = decks.trace(&deck, |snapshot| Ok(snapshot.contact_force()))?;
             let figures = run.map(|run| {
                 let force = run.measures.last().map_or(0.0, |force| force[1].abs());
                 let counts =
@@ -27,5 +25,5 @@ pub fn study(decks: &Decks) -> Result<Findings, SolveError> {
             row(&mut table, &[way.name(), if exchange { "ring" } else { "block" }], figures);
         }
     }
-    Ok(Findings { tables: vec![table], charts: Vec::new() })
+    Ok(Findings { table, charts: Vec::new() })
 }

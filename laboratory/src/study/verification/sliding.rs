@@ -1,11 +1,11 @@
 //! A block on a cylinder that turns under it: without friction the force is constant.
 
-use diffuse_contact_solver::deck::{Contact, Deck};
+use diffuse_contact_solver::deck::Contact;
 use diffuse_contact_solver::solve::SolveError;
-use diffuse_contact_solver::verification::{Oscillation, Trace, trace};
+use diffuse_contact_solver::verification::{Oscillation, Trace};
 
 use super::plot::chart;
-use super::{Decks, Findings, SURFACES, Way, outcome, row};
+use super::{Decks, Findings, SURFACES, Way, row};
 use crate::study::markdown::Table;
 use crate::study::plot::Curve;
 
@@ -27,7 +27,7 @@ pub fn study(decks: &Decks) -> Result<Findings, SolveError> {
         for way in SURFACES {
             let mut deck = decks.by(way)?;
             super::divide(&mut deck, "cylinder", &[around]);
-            let run = outcome(force(&deck, decks))?;
+            let run = decks.trace(&deck, |snapshot| Ok((snapshot.record.time, snapshot.contact_force())))?;
             if let (Ok(run), 30) = (&run, around) {
                 for (chart, axis) in charts.iter_mut().zip([2, 0]) {
                     let turning = run.measures.iter().filter(|(time, _)| is_turning(*time));
@@ -44,7 +44,7 @@ pub fn study(decks: &Decks) -> Result<Findings, SolveError> {
         let title = format!("Block on a turning cylinder, facets of 3°: force {what}");
         chart(title, ["angle in degrees", force], curves)
     });
-    Ok(Findings { tables: vec![table], charts: charts.collect() })
+    Ok(Findings { table, charts: charts.collect() })
 }
 
 /// Whether the run-in is over: the first increment of the turn is left out.
@@ -71,8 +71,4 @@ fn figures(run: &Trace<Force>, way: Way, classic: &mut Option<[f64; 2]>) -> [Str
     let ([up, along], [ratio_up, ratio_along]) = (relative.map(|r| format!("{r:.2e}")), ratios);
     let [iterations, cutbacks] = [run.iterations, run.cutbacks].map(|count| count.to_string());
     [format!("{mean:.2}"), up, ratio_up, along, ratio_along, iterations, cutbacks]
-}
-
-fn force(deck: &Deck, decks: &Decks) -> Result<Trace<Force>, SolveError> {
-    trace(deck, decks.base(), decks.threads, |snapshot| Ok((snapshot.record.time, snapshot.contact_force())))
 }

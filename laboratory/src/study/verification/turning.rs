@@ -1,11 +1,11 @@
 //! One ring turned in another with an interference: without friction there is no torque.
 
-use diffuse_contact_solver::deck::{Contact, Deck};
+use diffuse_contact_solver::deck::Contact;
 use diffuse_contact_solver::solve::SolveError;
-use diffuse_contact_solver::verification::{Oscillation, Trace, trace};
+use diffuse_contact_solver::verification::{Oscillation, Trace};
 
 use super::plot::chart;
-use super::{Decks, Findings, SURFACES, Way, outcome, row};
+use super::{Decks, Findings, SURFACES, Way, row};
 use crate::study::markdown::Table;
 
 /// The support that turns, and its angle at the end, degrees.
@@ -29,7 +29,11 @@ pub fn study(decks: &Decks) -> Result<Findings, SolveError> {
             for interface in &mut deck.interfaces {
                 interface.exchange = exchange;
             }
-            let run = outcome(torque(&deck, decks))?;
+            let run = decks.trace(&deck, |snapshot| {
+                let torque = snapshot.moment(SUPPORT, [0.0; 3]).map_or(f64::NAN, |moment| moment[2]);
+                let force = snapshot.slaves().map(|slave| slave.force).sum();
+                Ok([snapshot.record.time, torque, force])
+            })?;
             if let (Ok(run), false) = (&run, exchange) {
                 let points = run.measures.iter().map(|[time, torque, _]| (DEGREES * time, torque / 1000.0));
                 curves.push(way.curve(points));
@@ -40,7 +44,7 @@ pub fn study(decks: &Decks) -> Result<Findings, SolveError> {
     }
     let title = "Coaxial cylinders: torque of the turn, exact 0";
     let chart = chart(title, ["angle in degrees", "torque in N m"], curves);
-    Ok(Findings { tables: vec![table], charts: vec![chart] })
+    Ok(Findings { table, charts: vec![chart] })
 }
 
 /// The cells of a run. `classic`: the amplitude with facets, once it is known.
@@ -64,12 +68,4 @@ fn figures(run: &Trace<Torque>, way: Way, classic: &mut Option<f64>) -> [String;
         run.iterations.to_string(),
         run.cutbacks.to_string(),
     ]
-}
-
-fn torque(deck: &Deck, decks: &Decks) -> Result<Trace<Torque>, SolveError> {
-    trace(deck, decks.base(), decks.threads, |snapshot| {
-        let torque = snapshot.moment(SUPPORT, [0.0; 3]).map_or(f64::NAN, |moment| moment[2]);
-        let force = snapshot.slaves().map(|slave| slave.force).sum();
-        Ok([snapshot.record.time, torque, force])
-    })
 }

@@ -61,11 +61,6 @@ impl Interpreted {
         Self { weight, kernels: std::array::from_fn(|_| OnceLock::new()) }
     }
 
-    /// The weight in force.
-    pub const fn weight(&self) -> &Weight {
-        &self.weight
-    }
-
     /// The weight at r, of an interpolating weight ω/(1 − ω) that of ω.
     pub fn fitting_weight(&self, r: f64) -> f64 {
         self.weight.fitting_value(r)
@@ -77,8 +72,7 @@ impl Interpreted {
     /// # Errors
     /// What [`Element::validate`] finds.
     pub fn conditioning(&self, element: &Element<'_>, point: [f64; 2]) -> Result<Conditioning, ElementError> {
-        element.validate_with(|r| self.fitting_weight(r))?;
-        let inputs = inputs(element, point);
+        let inputs = self.inputs(element, point)?;
         let mut surface = self.evaluation(Output::Surface, element, Mode::Value, &inputs)?;
         // Without derivatives nothing is known of the plane.
         let mut gap = self.evaluation(Output::Gap, element, Mode::Gradient, &inputs)?;
@@ -89,6 +83,12 @@ impl Interpreted {
             jacobian_determinant: gap.scalar("jacobian_determinant"),
             foot_distance: gap.scalar("foot_distance"),
         })
+    }
+
+    /// [`inputs`] of an element, if it is valid.
+    fn inputs(&self, element: &Element<'_>, point: [f64; 2]) -> Result<NodeInputs, ElementError> {
+        element.validate_with(|r| self.fitting_weight(r))?;
+        Ok(inputs(element, point))
     }
 
     fn evaluation<'a>(
@@ -120,8 +120,7 @@ fn smaller(x: f64, y: f64) -> f64 {
 
 impl Backend for Interpreted {
     fn coefficients(&self, element: &Element<'_>, mode: Mode) -> Result<Coefficients, ElementError> {
-        element.validate_with(|r| self.fitting_weight(r))?;
-        let inputs = inputs(element, [0.0; 2]);
+        let inputs = self.inputs(element, [0.0; 2])?;
         let mut evaluation = self.evaluation(Output::Coefficients, element, mode, &inputs)?;
         let coefficients = evaluation.padded("coefficients");
         ElementError::check(
@@ -140,11 +139,10 @@ impl Backend for Interpreted {
     }
 
     fn surface(&self, element: &Element<'_>, point: [f64; 2], mode: Mode) -> Result<Surface, ElementError> {
-        element.validate_with(|r| self.fitting_weight(r))?;
+        let inputs = self.inputs(element, point)?;
         if !point.iter().all(|x| x.is_finite()) {
             return Err(ElementError::NonFiniteInput { what: "point", index: 0 });
         }
-        let inputs = inputs(element, point);
         let mut evaluation = self.evaluation(Output::Surface, element, mode, &inputs)?;
         let values = SurfaceValues {
             value: evaluation.scalar("value"),
@@ -167,8 +165,7 @@ impl Backend for Interpreted {
     }
 
     fn gap(&self, element: &Element<'_>, mode: Mode) -> Result<Gap, ElementError> {
-        element.validate_with(|r| self.fitting_weight(r))?;
-        let inputs = inputs(element, [0.0; 2]);
+        let inputs = self.inputs(element, [0.0; 2])?;
         let mut evaluation = self.evaluation(Output::Gap, element, mode, &inputs)?;
         let mut gap = evaluation.contact(element)?;
         gap.gradient = evaluation.gradients().pop().unwrap_or_default();
@@ -177,8 +174,7 @@ impl Backend for Interpreted {
     }
 
     fn foot_derivatives(&self, element: &Element<'_>) -> Result<FootDerivatives, ElementError> {
-        element.validate_with(|r| self.fitting_weight(r))?;
-        let inputs = inputs(element, [0.0; 2]);
+        let inputs = self.inputs(element, [0.0; 2])?;
         let mut evaluation = self.evaluation(Output::Gap, element, Mode::Hessian, &inputs)?;
         let Gap { gap, foot, normal, .. } = evaluation.contact(element)?;
         let gradient = evaluation.gradients().pop().unwrap_or_default();
@@ -204,8 +200,7 @@ impl Backend for Interpreted {
     }
 
     fn slip(&self, element: &Element<'_>, anchor: Point, mode: Mode) -> Result<Slip, ElementError> {
-        element.validate_with(|r| self.fitting_weight(r))?;
-        let mut inputs = inputs(element, [0.0; 2]);
+        let mut inputs = self.inputs(element, [0.0; 2])?;
         set_vector(&mut inputs, "anchor", anchor);
         let mut evaluation = self.evaluation(Output::Slip, element, mode, &inputs)?;
         let mut contact = evaluation.contact(element)?;

@@ -66,15 +66,12 @@ impl Weight {
     /// # Errors
     /// [`WeightError`] if a formula is no weight.
     pub fn new(text: &str, interpolating: bool) -> Result<Self, WeightError> {
-        if let Some(built_in) = Self::built_in(text).filter(|_| !interpolating) {
+        let mut built_in = diffuse_contact::Weight::ALL.into_iter();
+        if let Some(built_in) = built_in.find(|weight| weight.name() == text && !interpolating) {
             return Ok(Self::BuiltIn(built_in));
         }
         let weight = if interpolating { codegen::Weight::interpolating } else { codegen::Weight::new };
         Ok(Self::Formula(weight(NAME, text)?))
-    }
-
-    fn built_in(name: &str) -> Option<diffuse_contact::Weight> {
-        diffuse_contact::Weight::ALL.into_iter().find(|weight| weight.name() == name)
     }
 
     /// What the generator makes kernels of.

@@ -146,21 +146,6 @@ impl Report {
         self.failures.extend(failures);
     }
 
-    /// The worst differences on facets, one row per shape and block; none for a weight of one's own.
-    pub fn facets(&self) -> &[FacetRow] {
-        &self.facets
-    }
-
-    /// The worst sums of N and its moments.
-    pub fn balance(&self) -> &[BalanceRow] {
-        &self.balance
-    }
-
-    /// The worst differences, one row per block.
-    pub fn rows(&self) -> &[Row] {
-        &self.rows
-    }
-
     /// Whether every block was compared, every backend had results, and all differences are within [`TOLERANCE`].
     pub fn passes(&self) -> bool {
         let rows = self.rows.iter().all(Row::passes)

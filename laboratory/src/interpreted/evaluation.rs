@@ -18,22 +18,21 @@ pub struct Evaluation<'a> {
 impl Evaluation<'_> {
     /// Gap, foot and normal, without derivatives.
     pub fn contact(&mut self, element: &Element<'_>) -> Result<Gap, ElementError> {
-        let evaluation = self;
         let values = GapValues {
-            gap: evaluation.scalar("gap"),
-            foot: evaluation.array("foot"),
-            normal: evaluation.array("normal"),
+            gap: self.scalar("gap"),
+            foot: self.array("foot"),
+            normal: self.array("normal"),
             // The kernels' own; `Slip` has it.
             slip: 0.0,
-            coefficients: evaluation.padded("coefficients"),
-            pivot_ratio: evaluation.scalar("pivot_ratio"),
-            plane_pivot_ratio: evaluation.plane_pivot_ratio(),
-            foot_residual: evaluation.scalar("foot_residual"),
-            foot_iterations: evaluation.scalar("foot_iterations"),
-            foot_distance: evaluation.scalar("foot_distance"),
-            jacobian_determinant: evaluation.scalar("jacobian_determinant"),
-            jacobian_trace: evaluation.scalar("jacobian_trace"),
-            checksum: evaluation.scalar("checksum"),
+            coefficients: self.padded("coefficients"),
+            pivot_ratio: self.scalar("pivot_ratio"),
+            plane_pivot_ratio: self.plane_pivot_ratio(),
+            foot_residual: self.scalar("foot_residual"),
+            foot_iterations: self.scalar("foot_iterations"),
+            foot_distance: self.scalar("foot_distance"),
+            jacobian_determinant: self.scalar("jacobian_determinant"),
+            jacobian_trace: self.scalar("jacobian_trace"),
+            checksum: self.scalar("checksum"),
         };
         ElementError::check(values.status())?;
         Ok(Gap {

@@ -13,7 +13,7 @@ use super::arguments::ClosedPathArguments;
 use super::markdown::Table;
 use super::patch::Patch;
 use super::sweep::scene::{self, Cells};
-use super::{StudyError, extremes};
+use super::{StudyError, dot, extremes, norm};
 use crate::error::CliError;
 use crate::output;
 
@@ -131,23 +131,18 @@ fn around(options: InterfaceOptions, over_faces: bool, steps: usize) -> Result<L
         Ok([0, 1, 2].map(|axis| of_pad.iter().map(|force| force[axis]).sum()))
     });
     let forces = forces.collect::<Result<Vec<Point>, StudyError>>()?;
-    let sizes = forces.iter().map(|&force| dot(force, force).sqrt());
+    let sizes = forces.iter().copied().map(norm);
     Ok(Loop { work: [1, 2].map(|every| work(&places, &forces, every)), force: extremes(sizes) })
 }
 
 /// ∮ F·dx over ∮ ‖F‖ ‖dx‖ by the trapezoidal rule with every so many steps.
 fn work(places: &[Point], forces: &[Point], every: usize) -> f64 {
-    let size = |a: Point| dot(a, a).sqrt();
     let (mut work, mut effort) = (0.0, 0.0);
     for from in (0..places.len()).step_by(every) {
         let to = (from + every) % places.len();
         let along = [0, 1, 2].map(|axis| places[to][axis] - places[from][axis]);
         work += 0.5 * (dot(forces[from], along) + dot(forces[to], along));
-        effort += 0.5 * (size(forces[from]) + size(forces[to])) * size(along);
+        effort += 0.5 * (norm(forces[from]) + norm(forces[to])) * norm(along);
     }
     work / effort
-}
-
-fn dot(a: Point, b: Point) -> f64 {
-    (0..3).map(|axis| a[axis] * b[axis]).sum()
 }

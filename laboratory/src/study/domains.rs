@@ -45,6 +45,11 @@ impl Shape {
         Self { name, cells: [12; 2], side: [ratio, 1.0], moved, graded: None }
     }
 
+    /// Cells with sides of 0.25, and of 1 beyond the first of these.
+    const fn graded(name: &'static str, moved: f64) -> Self {
+        Self { name, cells: [16; 2], side: [0.25; 2], moved, graded: Some((8, 4.0)) }
+    }
+
     fn all() -> [Self; 8] {
         [
             Self::square("regular, 12 × 12", [12; 2], 0.0),
@@ -53,18 +58,8 @@ impl Shape {
             Self::square("strip, 24 × 2", [24, 2], 0.0),
             Self::stretched("cells 3:1, moved by 8 %", 3.0, 0.08),
             Self::stretched("cells 10:1", 10.0, 0.0),
-            Self {
-                side: [0.25; 2],
-                graded: Some((8, 4.0)),
-                cells: [16; 2],
-                ..Self::square("0.25 next to 1", [0; 2], 0.0)
-            },
-            Self {
-                side: [0.25; 2],
-                graded: Some((8, 4.0)),
-                cells: [16; 2],
-                ..Self::square("0.25 next to 1, moved by 8 %", [0; 2], 0.08)
-            },
+            Self::graded("0.25 next to 1", 0.0),
+            Self::graded("0.25 next to 1, moved by 8 %", 0.08),
         ]
     }
 

@@ -31,9 +31,19 @@ mod verification;
 pub use arguments::StudyArguments;
 pub use error::StudyError;
 
+use diffuse_contact::Point;
+
 use crate::error::CliError;
 
 use arguments::Study;
+
+fn dot(a: Point, b: Point) -> f64 {
+    (0..3).map(|axis| a[axis] * b[axis]).sum()
+}
+
+fn norm(a: Point) -> f64 {
+    dot(a, a).sqrt()
+}
 
 /// The smallest and the largest value.
 fn extremes(values: impl Iterator<Item = f64>) -> [f64; 2] {

@@ -60,8 +60,10 @@ impl Master {
 
 /// What is run.
 pub struct Scope {
-    meshes: &'static [Mesh],
-    penalties: &'static [f64],
+    /// The coarsest first.
+    pub meshes: &'static [Mesh],
+    /// The softest first.
+    pub penalties: &'static [f64],
     /// Increments of each run, all of them if there is no limit.
     pub limit: Option<usize>,
 }
@@ -79,16 +81,6 @@ impl Scope {
     /// Number of runs.
     pub fn runs(&self) -> usize {
         2 * self.meshes.len() * self.penalties.len() * 4 + 2 * REFRESHED.len() + steps::runs(self)
-    }
-
-    /// Meshes of the elastic pipe, the coarsest first.
-    pub fn meshes(&self) -> &'static [Mesh] {
-        self.meshes
-    }
-
-    /// Penalties, force per length, the softest first.
-    pub fn penalties(&self) -> &'static [f64] {
-        self.penalties
     }
 
     /// The finest mesh.

@@ -17,7 +17,7 @@ const TANGENTS: [&str; 2] = ["adaptive", "exact"];
 
 /// Number of runs.
 pub fn runs(scope: &Scope) -> usize {
-    4 * TANGENTS.len() * FACTORS.len() * scope.meshes().len() * scope.penalties().len()
+    4 * TANGENTS.len() * FACTORS.len() * scope.meshes.len() * scope.penalties.len()
 }
 
 /// Sums over all meshes and penalties.
@@ -29,8 +29,8 @@ pub fn table(decks: &Decks, scope: &Scope) -> Result<Table, CliError> {
     {
         for master in Master::ALL {
             let mut pairs = Vec::new();
-            for &mesh in scope.meshes() {
-                for &penalty in scope.penalties() {
+            for &mesh in scope.meshes {
+                for &penalty in scope.penalties {
                     let case = case(Pipe::Elastic, mesh, penalty, master, scope.limit)
                         .with("time.increment", f64::from(factor) * INCREMENT.0)
                         .with("interface.tangent", tangent)

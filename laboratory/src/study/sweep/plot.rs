@@ -3,10 +3,10 @@
 use diffuse_contact::Point;
 use plotters::prelude::*;
 
-use super::run::{self, State, dot, norm};
+use super::run::{self, State};
 use super::scene::DEPTH;
-use crate::study::StudyError;
 use crate::study::plot::{COLOURS, Chart, Curve, Mark, Scale, ranges, svg_of};
+use crate::study::{StudyError, dot, norm};
 
 /// Size of the picture.
 const SIZE: (u32, u32) = (960, 720);

@@ -8,7 +8,7 @@ use diffuse_contact::{FrameDerivative, Mode, Point, Weight};
 use super::scene::{self, Cells};
 use crate::study::accuracy::angle;
 use crate::study::patch::Patch;
-use crate::study::{StudyError, extremes};
+use crate::study::{StudyError, dot, extremes, norm};
 use diffuse_contact_cli::contact_options::{RULES, diffuse, rule_name};
 
 /// What halving a part of a step may change of its work over the penalty, and how often it is halved at most.
@@ -223,14 +223,6 @@ impl Slave {
         let force = std::array::from_fn(|axis| -gap.min(0.0) * contact.gradient[axis]);
         Ok(State { position: self.positions[contact.slave], gap, force, normal: contact.point.normal })
     }
-}
-
-pub fn dot(a: Point, b: Point) -> f64 {
-    (0..3).map(|axis| a[axis] * b[axis]).sum()
-}
-
-pub fn norm(a: Point) -> f64 {
-    dot(a, a).sqrt()
 }
 
 #[cfg(test)]

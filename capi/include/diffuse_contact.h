@@ -92,13 +92,13 @@ typedef enum dc_outcome {
     DC_NOT_PAIRED = 1,
     // Beyond distance_limit.
     DC_TOO_FAR = 2,
-    // Too few masters on the slave's side of sharp edges.
+    // Too few masters on the slave's side of sharp edges, or masters that carry no fit.
     DC_NO_CANDIDATE = 3,
-    // The masters within reach carry no fit: they lie on a line or on a conic.
+    // Never set: masters on a line or on a conic are DC_NO_CANDIDATE.
     DC_ILL_CONDITIONED = 4,
     // The foot lies beyond the border of the master, or beyond a sharp edge.
     DC_BEYOND_BORDER = 5,
-    // The masters of the pairing no longer determine the surface: refresh.
+    // The masters of the pairing no longer determine the surface, or too few of them are within reach: refresh.
     DC_SINGULAR_FIT = 6,
     // The iteration for the foot did not converge.
     DC_FOOT_DIVERGED = 7,

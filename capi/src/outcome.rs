@@ -17,7 +17,7 @@ pub enum dc_outcome {
     DC_TOO_FAR = 2,
     /// Too few masters on the slave's side of sharp edges, or masters that carry no fit.
     DC_NO_CANDIDATE = 3,
-    /// Of dc_pair's search alone: the masters lie on a line or on a conic. Elsewhere that is DC_NO_CANDIDATE.
+    /// Never set: masters on a line or on a conic are DC_NO_CANDIDATE.
     DC_ILL_CONDITIONED = 4,
     /// The foot lies beyond the border of the master, or beyond a sharp edge.
     DC_BEYOND_BORDER = 5,

@@ -69,7 +69,6 @@ pub fn answer<D>(
         Some(path) => output::write_file(path, fill),
         None => output::write_stdout(fill),
     };
-    let written = written.map_err(CliError::from);
     // Whoever reads only the beginning is told what failed so far.
     if let Err(error) = written
         && !error.is_closed_pipe()

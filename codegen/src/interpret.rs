@@ -186,7 +186,14 @@ impl<'a, N: Number> Interpreter<'a, N> {
             Op::Function(function, x) => self.value(x, node).function(function),
             Op::Atan2(y, x) => self.value(y, node).atan2(&self.value(x, node)),
             Op::RealPower(x, y) => self.value(x, node).powf(&self.value(y, node)),
-            Op::Hypot(x, y) => self.value(x, node).hypot(&self.value(y, node)),
+            Op::Hypot(x, y) => {
+                // A norm of more than two components has derivatives where the first two are zero.
+                let components = self.graph.norm_components(expr);
+                match N::norm(components.len(), |k| self.value(components[k], node)) {
+                    Some(norm) => norm,
+                    None => self.value(x, node).hypot(&self.value(y, node)),
+                }
+            }
             Op::Power(x, exponent) => self.value(x, node).powi(exponent),
             Op::Polynomial(x, polynomial) => {
                 self.value(x, node).polynomial(self.graph.polynomial_data(polynomial).coefficients())

@@ -167,6 +167,14 @@ impl<'a> Lowering<'a> {
                 let root = self.lower_root(root).0;
                 self.target.root_figure(root, figure)
             }
+            Op::RealPower(x, y) => {
+                let (base, exponent) = (self.lower(x), self.lower(y));
+                // Lowered, an exponent may have become a number.
+                match self.target.integer_exponent(exponent) {
+                    Some(exponent) => self.power_of(base, exponent),
+                    None => self.target.real_power(base, exponent),
+                }
+            }
             op => {
                 let operands =
                     self.source.operands(expr).into_iter().map(|x| self.lower(x)).collect::<Vec<_>>();
@@ -222,14 +230,24 @@ impl<'a> Lowering<'a> {
             }
             _ => {
                 let base = self.lower(base);
-                self.repeated_square(base, magnitude)
+                return self.power_of(base, exponent);
             }
         };
-        if exponent >= 0 {
-            return power;
+        self.inverted_if(exponent < 0, power)
+    }
+
+    /// A power of what is lowered, by products.
+    fn power_of(&mut self, base: ExprId, exponent: i32) -> ExprId {
+        let power = self.repeated_square(base, exponent.unsigned_abs());
+        self.inverted_if(exponent < 0, power)
+    }
+
+    fn inverted_if(&mut self, is_inverted: bool, x: ExprId) -> ExprId {
+        if !is_inverted {
+            return x;
         }
         let one = self.target.one();
-        self.target.div(one, power)
+        self.target.div(one, x)
     }
 
     /// (1 − x)ᵐ Q(x), Q by Horner's rule.

@@ -4,7 +4,7 @@
 
 use diffuse_contact_codegen::emit::MOST_STATEMENTS;
 use diffuse_contact_codegen::emit::emit_element_kernel;
-use diffuse_contact_codegen::expr::{Expr, Mat3, Vec2, Vec3, Vector, total};
+use diffuse_contact_codegen::expr::{Expr, Mat3, Matrix, Vec2, Vec3, Vector, total};
 use diffuse_contact_codegen::graph::{ExprId, Limits, Polynomial, Scope};
 use diffuse_contact_codegen::interpret::{Interpreter, NodeInputs, element_derivatives, element_results};
 use diffuse_contact_codegen::model::Input;
@@ -341,7 +341,7 @@ fn error_of(name: &str, formulas: impl FnOnce(&ElementModel<'_>)) -> (ElementErr
 #[test]
 fn mistakes_name_the_element_and_the_expression() {
     let scalar = |m: &ElementModel<'_>, name: &str| m.energy(m.variable::<Expr<'_>>(name).powi(2));
-    for name in ["r#type", "gen", "fn", "4"] {
+    for name in ["r#type", "gen", "fn", "4", "mu ", " mu", "mu /* shear */"] {
         assert_eq!(error_of("test", |m| scalar(m, name)).0, ElementError::Name { name: name.to_owned() });
     }
     // Both are fields of the inputs.
@@ -480,11 +480,17 @@ fn derivatives_in_formulas_go_through_definitions() {
 /// A spring of length zero: no norm of a part, and no norm at the origin, takes its stiffness.
 #[test]
 fn a_squared_norm_has_its_hessian_everywhere() {
-    let squares: [fn(Vec3<'_>) -> Expr<'_>; 4] = [
+    let squares: [fn(Vec3<'_>) -> Expr<'_>; 9] = [
         |x| 0.5 * x.norm().powi(2),
         |x| 0.5 * x.norm() * x.norm(),
         |x| 0.25 * x.norm().powi(2) + 0.25 * (x.norm() * x[2]).powi(2) / x[2].powi(2),
         |x| 0.5 * x.norm().powf(2.0) + x.norm().powi(4) - x.norm() * x.norm().powi(3),
+        // Over a radius, as weights have it.
+        |x| 4.5 * (x.norm() / 3.0).powi(2),
+        |x| 4.5 * (x.norm() / 3.0) * (x.norm() / 3.0),
+        |x| (x.norm() / 3.0).polynomial(Polynomial::new(vec![0.0, 0.0, 4.5])),
+        |x| (0.25 * x.norm()).polynomial(Polynomial::new(vec![1.0, 0.0, 8.0])),
+        |x| 4.5 * (0.5 * x.norm() / 1.5).powi(2),
     ];
     for (k, square) in squares.into_iter().enumerate() {
         let element = kernels(|m| {
@@ -576,6 +582,61 @@ fn a_test_where_a_norm_is_zero_is_refused() {
     assert_eq!(*source, ElementError::TestDerivative { result: "length_jacobian".to_owned() });
     assert!(error.to_string().contains("`length_jacobian`"), "{error}");
     assert!(config.test("a", &[&[0.3, 0.4]], &[]).source().is_ok());
+}
+
+/// A spring along the third axis: the first two components of its norm are a norm of zero.
+#[test]
+fn a_norm_has_derivatives_where_two_components_are_zero() {
+    let spring = |m: &ElementModel<'_>| {
+        let x: [Vec3<'_>; 2] = m.variable("x");
+        m.energy(0.5 * ((x[1] - x[0]).norm() - 0.7).powi(2));
+    };
+    let config = Config::new().element("a", spring).unwrap();
+    for end in [[0.0, 0.0, 1.0], [0.0, 1.0, 0.0], [1.0, 0.0, 0.0]] {
+        let x = [[0.0; 3], end].concat();
+        config.clone().test("a", &[&x], &[]).source().unwrap();
+    }
+}
+
+#[test]
+fn the_curvature_that_a_saddle_lacks_is_missed() {
+    let saddle = |m: &ElementModel<'_>| {
+        let [x, y] = m.parameters(["x", "y"]);
+        let at = m.stationary("c", |c: Vec2<'_>| c[0] * c[1] - x * c[0] - y * c[1]);
+        m.value("at", at.unknowns);
+    };
+    assert_eq!(error_of("test", saddle).0, ElementError::NoCurvature { unknowns: "c".to_owned() });
+}
+
+/// What follows a mistake does not hide it, nor end in a panic.
+#[test]
+fn unknowns_that_change_with_those_sought_are_refused() {
+    let (error, _) = error_of("test", |m| {
+        let k: Expr<'_> = m.variable("k");
+        let at = m.stationary("c", |c: Vector<'_, 1>| {
+            let v = m.solve("v", Matrix([[k]]), Vector([c[0]])).unknowns[0];
+            0.5 * c[0] * c[0] - c[0] * v
+        });
+        m.energy(at.unknowns[0].by(k) + at.unknowns[0].powi(2).by(at.unknowns[0]));
+    });
+    assert!(matches!(error, ElementError::Sought { .. }), "{error:?}");
+}
+
+/// Of length zero, and of names that are words of the code around them.
+#[test]
+fn odd_sizes_and_names_are_taken() {
+    let config = Config::new().element("a", |m| {
+        let (x, none): (Expr<'_>, Expr<'_>) = (m.variable("x"), m.parameter("None"));
+        let _: [Vec3<'_>; 0] = m.parameter("internal");
+        let error = m.define("Err", x.exp() * none);
+        m.energy(error.powi(2) + x.sin());
+        m.residual("forces", Vector::<0>([]));
+        // An exponent that is a number in the end.
+        let two = m.define("two", none + 2.0);
+        m.value("power", x.powf(two - none));
+    });
+    let text = config.unwrap().source().unwrap();
+    assert!(text.contains("let None_v2 = inputs.None;") && text.contains("let Err_v2 = "), "{text}");
 }
 
 /// A rule of differentiation that is wrong: interpreter and kernel agree on it, expansions do not know it.

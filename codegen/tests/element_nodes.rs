@@ -418,6 +418,19 @@ fn error_of(formulas: impl FnOnce(&ElementModel<'_>)) -> ElementError {
     source
 }
 
+/// Sums without a name make way for quantities of the name that they have inside.
+#[test]
+fn a_sum_without_a_name_takes_no_name() {
+    let element = ElementKernels::new("test", |m| {
+        let X: Vec2<'_> = m.node_variable("X");
+        let w: Expr<'_> = m.node_parameter("w");
+        let mean = m.define("mean", X.map(|X| (w * X).sum() / w.sum()));
+        let total = m.define("total", w.sum());
+        m.energy(mean.dot(mean) * total);
+    });
+    assert!(element.is_ok(), "{:?}", element.err());
+}
+
 #[test]
 fn mistakes_with_nodes_name_the_expression() {
     let named = |name: &str| name.to_owned();

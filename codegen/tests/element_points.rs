@@ -176,3 +176,19 @@ fn tables_that_do_not_fit_are_named() {
         assert!(text.contains("\"shell\"") && text.contains("`xi`"), "{text}");
     }
 }
+
+/// Operations before a root, and of its iteration, are counted, and no more than there are.
+#[test]
+fn roots_at_points_are_counted() {
+    let element = ElementKernels::new("test", |m| {
+        let (x, xi): (Expr<'_>, Expr<'_>) = (m.variable("x"), m.points("xi", &[[-0.5], [0.5]]));
+        let u = m.root("u", |u: Vector<'_, 1>| Vector([u[0].exp() * u[0].sin() + xi * u[0].cos() - x.exp()]));
+        m.value("total", u.unknowns[0]);
+    });
+    let element = element.unwrap();
+    for kernel in &element.kernels {
+        let emitted = emit_element_kernel(kernel);
+        let (total, iteration) = (emitted.counts.total(), emitted.iteration.total());
+        assert!(iteration >= 6 && total > iteration && total < 100, "{total} {iteration}");
+    }
+}

@@ -115,12 +115,14 @@ impl Fixed {
         let program = function.program;
         let (same, varying) = split(program, head.points);
         let before = function.statements(&same);
-        let mut counts = function.writer.take_counts();
+        let mut counts = std::mem::take(&mut function.counts.element) + function.writer.take_counts();
         let body = function.statements(&varying);
         let Sums { outputs, fields, count } = Sums::new(&mut function, head, shape);
-        let of_point = function.writer.take_counts();
+        let of_point = std::mem::take(&mut function.counts.element) + function.writer.take_counts();
         let additions = OpCounts { additions: outputs.len(), ..OpCounts::default() };
         counts += (of_point + additions).times(head.points.rows.len());
+        // Each root counts once, as without points.
+        counts += function.counts.iteration;
         let reads = head.reads(&mut function);
         let point_reads = point_reads(&mut function, head.points);
         let (table, number) = (table(head.points), head.points.rows.len());
@@ -338,7 +340,8 @@ pub(super) fn reads_and_count<S>(function: &mut FunctionWriter<'_, S>, fields: &
 /// `[[a, b], [c, d]]` of entries in order, the last dimension fastest.
 pub(super) fn nested(dimensions: &[usize], entries: &[TokenStream]) -> TokenStream {
     let Some((&count, inner)) = dimensions.split_first() else { return quote!(#(#entries)*) };
-    let parts = entries.chunks((entries.len() / count).max(1)).map(|part| nested(inner, part));
+    let parts =
+        entries.chunks(entries.len().checked_div(count).unwrap_or(0).max(1)).map(|part| nested(inner, part));
     quote!([#(#parts),*])
 }
 

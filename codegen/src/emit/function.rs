@@ -42,6 +42,10 @@ impl<'a, S> FunctionWriter<'a, S> {
             "if",
             "fn",
             "do",
+            "None",
+            "Some",
+            "Ok",
+            "Err",
         ]);
         for &root in program.roots.keys() {
             let name = &program.kernel.graph.root(root).name;

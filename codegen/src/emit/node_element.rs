@@ -14,8 +14,19 @@ use crate::model::{DirectionSymbols, ElementSpec, Input, NodeResult, Signature, 
 use crate::schedule::{NodeTarget, Program};
 
 /// Names of what surrounds a kernel.
-const RESERVED: &[&str] =
-    &["Node", "Inputs", "Values", "VARIABLES", "NODE_VARIABLES", "OPTIMISED", "SCRATCH", "kept", "first"];
+const RESERVED: &[&str] = &[
+    "Node",
+    "Inputs",
+    "Values",
+    "VARIABLES",
+    "NODE_VARIABLES",
+    "OPTIMISED",
+    "SCRATCH",
+    "PRODUCT_SCRATCH",
+    "packed_row",
+    "kept",
+    "first",
+];
 
 /// Numbers of a kernel's scratch.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

@@ -286,7 +286,7 @@ impl<'g> Expr<'g> {
         self.sheet.one().with(self, Graph::div_or_zero)
     }
 
-    /// x/y, and 0 for y = 0.
+    /// x/y, and 0 for y = 0 and a finite x.
     #[must_use]
     pub fn div_or_zero(self, divisor: impl Term<'g>) -> Self {
         self.with(divisor, Graph::div_or_zero)

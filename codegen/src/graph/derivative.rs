@@ -255,7 +255,7 @@ impl Graph {
 
     /// The components x, y, … of a norm √(x² + y² + …), made by one [`hypot`](Self::hypot) or by nested ones; none if it is
     /// no norm.
-    fn norm_components(&self, norm: ExprId) -> Vec<ExprId> {
+    pub(crate) fn norm_components(&self, norm: ExprId) -> Vec<ExprId> {
         let Op::Hypot(x, y) = self.op(norm) else { return Vec::new() };
         [x, y]
             .into_iter()
@@ -310,6 +310,12 @@ impl Graph {
         match derivative.over_x() {
             Some(over_r) if !components.is_empty() => {
                 (self.polynomial(base, over_r), self.differentiate_half_square(&components, symbol))
+            }
+            // The same of a norm with factors, by its square.
+            Some(over_r) if self.has_norm(base) => {
+                let square = self.power(base, 2);
+                let (half, of_square) = (self.constant(0.5), self.derivative(square, symbol));
+                (self.polynomial(base, over_r), self.mul(half, of_square))
             }
             _ => (self.polynomial(base, derivative), self.derivative(base, symbol)),
         }

@@ -111,7 +111,7 @@ impl Graph {
             return self.zero();
         }
         if let Some(place) = self.first_square_of_norm(&factors) {
-            // h h → h² for a norm h, which has derivatives at the origin
+            // h h → h² for a norm h, or one over something, which has derivatives at the origin
             let square = self.power(factors[place], 2);
             let number = self.constant(coefficient);
             let others = factors[..place].iter().chain(&factors[place + 2..]);
@@ -139,8 +139,21 @@ impl Graph {
 
     /// Where a norm stands twice among sorted factors.
     fn first_square_of_norm(&self, factors: &[ExprId]) -> Option<usize> {
-        let is_square = |pair: &[ExprId]| pair[0] == pair[1] && matches!(self.op(pair[0]), Op::Hypot(..));
-        factors.windows(2).position(is_square)
+        factors.windows(2).position(|pair| pair[0] == pair[1] && self.is_norm(pair[0]))
+    }
+
+    /// Whether it is a norm, or something with that as a factor over something.
+    fn is_norm(&self, x: ExprId) -> bool {
+        match self.op(x) {
+            Op::Hypot(..) => true,
+            Op::Div(x, _) => self.has_norm(x),
+            _ => false,
+        }
+    }
+
+    /// Whether a factor of it is a norm, so that its square has derivatives where it is zero, and it has none.
+    pub(crate) fn has_norm(&self, x: ExprId) -> bool {
+        self.coefficient_and_factors(x).1.iter().any(|&factor| self.is_norm(factor))
     }
 
     /// x / y
@@ -233,9 +246,16 @@ impl Graph {
             // x^½ → √x
             (None, Some(0.5)) => self.sqrt(x),
             // An integer exponent → repeated products
-            (None, Some(y)) if y.fract() == 0.0 && y.abs() <= MOST_PRODUCTS => self.power(x, y as i32),
-            _ => self.intern(Op::RealPower(x, y)),
+            _ => match self.integer_exponent(y) {
+                Some(exponent) => self.power(x, exponent),
+                None => self.intern(Op::RealPower(x, y)),
+            },
         }
+    }
+
+    /// The exponent of a power by repeated products, if it is one.
+    pub(crate) fn integer_exponent(&self, y: ExprId) -> Option<i32> {
+        self.constant_value(y).filter(|y| y.fract() == 0.0 && y.abs() <= MOST_PRODUCTS).map(|y| y as i32)
     }
 
     /// √(x² + y²)
@@ -255,6 +275,11 @@ impl Graph {
             (2, Op::Hypot(a, b)) => {
                 let (aa, bb) = (self.power(a, 2), self.power(b, 2));
                 self.add(aa, bb)
+            }
+            // (h / y)² → h² / y² for a norm h
+            (2, Op::Div(h, y)) if self.is_norm(x) => {
+                let (hh, yy) = (self.mul(h, h), self.mul(y, y));
+                self.div(hh, yy)
             }
             (2, _) => self.mul(x, x),
             // (xʲ)ᵏ → xʲᵏ for integers

@@ -151,6 +151,15 @@ impl Graph {
         self.symbol_names.contains_key(name)
     }
 
+    /// Gives a symbol another name, so that its own is free.
+    pub(crate) fn rename(&mut self, symbol: ExprId) {
+        let symbol = self.symbol_of(symbol);
+        let unique = self.unique_name(&self.symbol_data(symbol).name);
+        let name = std::mem::replace(&mut self.symbols[symbol.index()].name, unique.clone());
+        self.symbol_names.remove(&name);
+        self.symbol_names.insert(unique, symbol);
+    }
+
     /// The name, with a number where there is a symbol of this name.
     pub(crate) fn unique_name(&self, name: &str) -> String {
         if !self.has_symbol(name) {

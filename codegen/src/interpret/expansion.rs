@@ -184,6 +184,11 @@ impl Number for Expansion {
         Self::function_of(f, [self, exponent], [y * x.powf(y - 1.0), f * log], &second)
     }
 
+    fn norm(count: usize, mut component: impl FnMut(usize) -> Self) -> Option<Self> {
+        let squares = (0..count).filter(|_| count > 2).map(|k| component(k).powi(2));
+        Some(squares.reduce(|sum, square| sum + square)?.sqrt())
+    }
+
     fn hypot(&self, other: &Self) -> Self {
         let (x, y) = (self.value, other.value);
         let r = x.hypot(y);

@@ -37,6 +37,14 @@ pub trait Number:
     /// √(x² + y²)
     fn hypot(&self, other: &Self) -> Self;
 
+    /// √(x² + y² + z² + …), where nested [`hypot`](Self::hypot)s would lack derivatives.
+    fn norm(_count: usize, _component: impl FnMut(usize) -> Self) -> Option<Self>
+    where
+        Self: Sized,
+    {
+        None
+    }
+
     /// xᵏ for an integer k
     fn powi(&self, exponent: i32) -> Self;
 

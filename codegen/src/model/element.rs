@@ -307,9 +307,21 @@ impl<'g> ElementModel<'g> {
     }
 
     pub(super) fn check_symbol(&self, name: &str) {
-        if self.sheet.graph().has_symbol(name) {
-            self.fail(ElementError::Duplicate { name: name.to_owned() });
+        if !self.sheet.graph().has_symbol(name) {
+            return;
         }
+        // The name of a sum that the caller gave none makes way.
+        let is_own = |&&(sum, symbol): &&(ExprId, ExprId)| {
+            self.sheet.graph().name_of(sum).is_none() && self.sheet.expr(symbol).symbol_name() == name
+        };
+        match self.sums.borrow().iter().find(is_own) {
+            Some(&(_, symbol)) => self.sheet.edit(|g| g.rename(symbol)),
+            None => self.fail(ElementError::Duplicate { name: name.to_owned() }),
+        }
+    }
+
+    pub(super) fn has_failed(&self) -> bool {
+        self.error.borrow().is_some()
     }
 
     /// Keeps the first error.

@@ -71,6 +71,11 @@ pub enum ElementError {
     /// A stationary value of something that is not quadratic in its unknowns.
     #[error("what `{unknowns}` makes stationary is not quadratic in them")]
     NotQuadratic { unknowns: String },
+    /// A function of which none of the unknowns that make it stationary has a curvature of its own.
+    #[error(
+        "what `{unknowns}` makes stationary has no curvature by any single one of them; `solve` finds a saddle point"
+    )]
+    NoCurvature { unknowns: String },
     /// A quantity, or an entry of it, that is defined by the unknowns that are sought, or held: it would not change with them.
     #[error(
         "`{quantity}` has a name and contains `{unknown}`, which is sought; write it in the equations without `define`, `held` or equations of its own"

@@ -166,8 +166,7 @@ impl<'g> ElementModel<'g> {
         self.check_name(name);
         if !iteration.takes(N) {
             self.fail(ElementError::Root { root: name.to_owned(), equations: N });
-            let zero = self.sheet.zero();
-            return Root { unknowns: Vector::zero(self.sheet), residual: zero, iterations: zero };
+            return self.no_root(name);
         }
         if let Iteration::Within(limits) = iteration {
             self.check_limits(name, limits);
@@ -175,6 +174,9 @@ impl<'g> ElementModel<'g> {
         let unknowns = self.unknowns(name);
         let equations = equations(unknowns);
         self.check_sought(&equations.0, &unknowns.0);
+        if self.has_failed() {
+            return self.no_root(name);
+        }
         let equations = equations.map(|equation| self.with_bound_sums(equation, &unknowns.0));
         self.check_equations(name, equations);
         let (root, values) = self.sheet.root_by(iteration, name, unknowns, equations);
@@ -224,9 +226,13 @@ impl<'g> ElementModel<'g> {
         let is_multiplier = |row: &usize| lower[*row][*row].is_zero();
         let is_quadratic = !lower.iter().flatten().any(|x| unknowns.iter().any(|&u| x.contains(u)));
         let (multipliers, others): (Vec<usize>, Vec<usize>) = (0..N).partition(is_multiplier);
-        if !is_quadratic || others.is_empty() {
-            self.fail(ElementError::NotQuadratic { unknowns: name.to_owned() });
-            return Stationary { unknowns: Vector::zero(self.sheet), pivot_ratio: self.sheet.zero() };
+        if !is_quadratic || others.is_empty() || self.has_failed() {
+            self.fail(match is_quadratic {
+                true => ElementError::NoCurvature { unknowns: name.to_owned() },
+                false => ElementError::NotQuadratic { unknowns: name.to_owned() },
+            });
+            // Symbols, so that what follows does not hide the error.
+            return Stationary { unknowns: self.stand_ins(name), pivot_ratio: self.stand_in(name, "ratio") };
         }
         let order = others.into_iter().chain(multipliers.iter().copied()).collect();
         let system = SymmetricSystem::of(&format!("{name}_system"), &lower, order);
@@ -244,6 +250,20 @@ impl<'g> ElementModel<'g> {
             });
         }
         Stationary { unknowns: values, pivot_ratio: system.pivot_ratio() }
+    }
+
+    /// Symbols in the place of a root that is refused, so that what follows does not hide the error.
+    fn no_root<const N: usize>(&self, name: &str) -> Root<'g, N> {
+        let [residual, iterations] = ["residual", "iterations"].map(|figure| self.stand_in(name, figure));
+        Root { unknowns: self.stand_ins(name), residual, iterations }
+    }
+
+    fn stand_in(&self, name: &str, what: &str) -> Expr<'g> {
+        self.sheet.input_once(&format!("{name}_failed_{what}"), Scope::Element)
+    }
+
+    fn stand_ins<const N: usize>(&self, name: &str) -> Vector<'g, N> {
+        Vector::from_fn(|k| self.stand_in(name, &(k + 1).to_string()))
     }
 
     /// Limits that an iteration can keep.

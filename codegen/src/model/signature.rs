@@ -5,7 +5,9 @@ use crate::expr::{Expr, Matrix, Vector, entry_name};
 /// Whether a name is an identifier of Rust that the code may have as it is.
 pub(crate) fn is_identifier(name: &str) -> bool {
     // `gen` is a keyword from the edition of 2024 on.
-    syn::parse_str::<proc_macro2::Ident>(name).is_ok() && !name.starts_with("r#") && name != "gen"
+    // Space and comments around a name are none of it.
+    let is_whole = syn::parse_str::<proc_macro2::Ident>(name).is_ok_and(|ident| ident == name);
+    is_whole && !name.starts_with("r#") && name != "gen"
 }
 
 /// Whether a kernel differentiates by an input.

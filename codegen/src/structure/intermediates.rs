@@ -223,6 +223,8 @@ fn is_linear(op: Op, operands: &[Kind]) -> bool {
 /// Operands that a function which is not linear is applied to.
 fn arguments(graph: &Graph, expr: ExprId) -> FxHashSet<ExprId> {
     let arguments = match graph.op(expr) {
+        // By a symbol in its place a norm would have no derivatives at zero, where its square has them.
+        Op::Power(x, _) | Op::Polynomial(x, _) if graph.has_norm(x) => Vec::new(),
         Op::Sqrt(x) | Op::Exp(x) | Op::Function(_, x) | Op::Power(x, _) | Op::Polynomial(x, _) => vec![x],
         Op::Div(_, y) | Op::DivOrZero(_, y) => vec![y],
         Op::RealPower(x, y) => vec![x, y],

@@ -115,7 +115,9 @@ fn comment(text: &str) -> String {
 
 /// A member's name: members have a name space of their own, but no word of C is one.
 fn field(name: &str) -> String {
-    if WORDS.contains(&name) || ["INFINITY", "NAN"].contains(&name) {
+    // A word that ends so itself is told apart.
+    let word = name.trim_end_matches('_');
+    if WORDS.contains(&word) || ["INFINITY", "NAN"].contains(&word) {
         format!("{name}_")
     } else {
         name.to_owned()

@@ -41,7 +41,7 @@ fn a_job_of_a_program_that_is_not_there_says_how_to_get_it() {
     }
     let elements = scratch.file("in.json", r#"{"elements": []}"#);
     alone(&scratch, &["evaluate", &elements, "--backend", "ad"], "")
-        .assert_refused(&["`evaluate`", "diffuse-contact-laboratory"]);
+        .assert_refused(&["`evaluate --backend ad`", "diffuse-contact-laboratory"]);
 }
 
 #[test]

@@ -254,7 +254,7 @@ pub unsafe extern "C" fn dc_set_symmetry(
 }
 
 /// Takes over the positions of the next evaluation, x, y, z of all nodes. The pairing stays. Call dc_follow in every iteration: with
-/// DC_DOMAINS a slave that slides by more than half the skin of its list, see dc_refresh, lacks nodes after a mere dc_update.
+/// DC_DOMAINS a slave that slides by more than half the skin of its list, see dc_refresh, may lack nodes after a mere dc_update.
 ///
 /// # Safety
 /// `positions` has 3 `node_count` entries.
@@ -396,10 +396,11 @@ fn frozen() -> Failure {
 
 /// Takes over the positions and pairs every slave. Call it once an increment. `report` may be NULL; its field `size` has to be set.
 ///
-/// With DC_DOMAINS lists of nodes are kept while nothing has moved by more than half their skin, 0.06 of the shortest half axis of their
-/// domains, nor so far that another sheet may be the closest one. New lists of the same sheet change no gap; where the sheet is another
-/// one jump_node, lost_node or gained_node tell. Domains lie in the configuration of dc_create and are never renewed: they turn and
-/// stretch with the master. The first refresh of an increment is followed by dc_follow in its iterations.
+/// With DC_DOMAINS the list of a slave stays while slave and masters together have moved by less than half its skin, 0.06 of the
+/// shortest half axis of its domains, and not so far that another sheet may be the closest one. Another list changes no gap, unless the
+/// slave comes to where the old one does not reach, such as another sheet: jump_node, lost_node and gained_node tell of that. Domains lie
+/// in the configuration of dc_create and are never renewed: they turn and stretch with the master. The first refresh of an increment is
+/// followed by dc_follow in its iterations.
 ///
 /// DC_FROZEN while the interface is frozen: it did what dc_update does, and the report is empty.
 ///

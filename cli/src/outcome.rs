@@ -36,15 +36,16 @@ impl Failures {
     }
 
     /// Says on standard error how many of the `total` entries, called `what`, have no result; nothing if all have. The exit code
-    /// tells the two apart.
-    fn report(&self, total: usize, what: &str) -> ExitCode {
+    /// tells the two apart. `is_whole`: whether all were looked at.
+    fn report(&self, total: usize, what: &str, is_whole: bool) -> ExitCode {
         if self.0.is_empty() {
             return ExitCode::SUCCESS;
         }
         let codes: Vec<String> = self.0.iter().map(|(code, count)| format!("{code}: {count}")).collect();
         let failed: usize = self.0.values().sum();
-        let _ =
-            writeln!(io::stderr(), "note: {failed} of {total} {what} have no result ({})", codes.join(", "));
+        let least = if is_whole { "" } else { "at least " };
+        let codes = codes.join(", ");
+        let _ = writeln!(io::stderr(), "note: {least}{failed} of {total} {what} have no result ({codes})");
         ExitCode::from(INCOMPLETE)
     }
 }
@@ -70,10 +71,10 @@ pub fn answer<D>(
         None => output::write_stdout(fill),
     };
     // Whoever reads only the beginning is told what failed so far.
-    if let Err(error) = written
-        && !error.is_closed_pipe()
-    {
-        return Err(error);
-    }
-    Ok(failures.report(count(&document), what))
+    let is_whole = match written {
+        Ok(()) => true,
+        Err(error) if error.is_closed_pipe() => false,
+        Err(error) => return Err(error),
+    };
+    Ok(failures.report(count(&document), what, is_whole))
 }

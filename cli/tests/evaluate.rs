@@ -286,9 +286,12 @@ fn a_reader_that_goes_away_is_no_error() {
     // But for elements without a result.
     let line =
         json!({"slave": [0, 0, 1], "masters": [[0, 0, 0], [1, 0, 0], [2, 0, 0]], "outward": [0, 0, 1]});
-    let input = scratch.file("in.json", &json!({"elements": vec![line; 200]}).to_string());
+    let input = scratch.file("in.json", &json!({"elements": vec![line; 2000]}).to_string());
     let run = crate::runs::run_and_close_stdout(&["evaluate", &input]);
-    assert!(run.code == 1 && run.stderr.contains("have no result"), "{run:?}");
+    assert!(
+        run.code == 1 && run.stderr.contains("note: at least ") && run.stderr.contains("of 2000"),
+        "{run:?}"
+    );
 }
 
 #[test]

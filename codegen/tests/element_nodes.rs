@@ -428,7 +428,18 @@ fn a_sum_without_a_name_takes_no_name() {
         let total = m.define("total", w.sum());
         m.energy(mean.dot(mean) * total);
     });
-    assert!(element.is_ok(), "{:?}", element.err());
+    let element = element.unwrap();
+    assert_eq!(
+        element.kernels[0].spec.quantities.iter().map(|own| own.name.as_str()).collect::<Vec<_>>(),
+        ["mean", "total"]
+    );
+    // Two of the caller's own are one too many.
+    let twice = |m: &ElementModel<'_>| {
+        let w: Expr<'_> = m.node_parameter("w");
+        let total = m.define("total", w.sum());
+        m.energy(total * m.define("total", (w * w).sum()));
+    };
+    assert_eq!(error_of(twice), ElementError::Duplicate { name: "total".to_owned() });
 }
 
 #[test]

@@ -42,7 +42,7 @@ pub enum MeshError {
     /// The surface has edges, ends or all free faces of elements, which are not read. `face` is the first such identifier; it is empty for
     /// all free faces.
     #[error(
-        "the surface {name:?} has the face identifier {face:?}, which is not supported; supported are SPOS, SNEG and S1 to S6",
+        "the surface {name:?} has the face identifier {face:?}, an edge or free faces there, which are no facets; facets are SPOS and SNEG of shells, S1 to S6 of solids",
         name = shown(name),
         face = shown(face)
     )]

@@ -370,6 +370,9 @@ fn an_increment_whose_state_cannot_be_written_leaves_nothing() {
     assert_eq!(history.rows.len(), 2);
     assert_eq!(read_history(&out.join(names::ITERATIONS)).unwrap().rows.last().unwrap().increment, 2);
     assert!(out.join("skins/00002.json").exists() && !out.join("skins/00003.json").exists());
+    let series = fs::read_to_string(out.join(names::SERIES)).unwrap();
+    assert!(series.contains("00002.vtu") && !series.contains("00003.vtu"), "{series}");
+    assert!(!out.join(names::FAILED).exists());
 }
 
 #[test]

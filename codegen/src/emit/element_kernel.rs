@@ -80,7 +80,10 @@ pub(super) fn documentation(spec: &ElementSpec, kernel: &EmittedElementKernel) -
     };
     lines.push(match iteration {
         0 => format!(" Operations: {total}{of_nodes}."),
-        each => format!(" Operations: {}{of_nodes}, and {each} for each Newton iteration.", total - each),
+        each => {
+            let place = if signature.points.rows.is_empty() { "" } else { " at a point" };
+            format!(" Operations: {}{of_nodes}, and {each} for each Newton iteration{place}.", total - each)
+        }
     });
     if !signature.nodes.is_empty() {
         lines.push(String::new());

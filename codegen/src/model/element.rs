@@ -27,6 +27,8 @@ pub struct ElementModel<'g> {
     nodes: RefCell<Vec<Input>>,
     /// Sums over the nodes, and the symbols that stand for them.
     sums: RefCell<Vec<(ExprId, ExprId)>>,
+    /// Those of the symbols that the caller gave no name.
+    unnamed: RefCell<Vec<ExprId>>,
     /// Unknowns of equations that depend on the nodes.
     pub(super) implicit: RefCell<Vec<Implicit<'g>>>,
     outputs: RefCell<Vec<(Returned, Vec<Expr<'g>>)>>,
@@ -47,6 +49,7 @@ impl<'g> ElementModel<'g> {
             inputs: RefCell::new(Vec::new()),
             nodes: RefCell::new(Vec::new()),
             sums: RefCell::new(Vec::new()),
+            unnamed: RefCell::new(Vec::new()),
             implicit: RefCell::new(Vec::new()),
             outputs: RefCell::new(Vec::new()),
             quantities: RefCell::new(Vec::new()),
@@ -206,8 +209,11 @@ impl<'g> ElementModel<'g> {
         if let Some(&(_, symbol)) = self.sums.borrow().iter().find(|(known, _)| *known == sum.id()) {
             return symbol;
         }
-        let name = self.sheet.graph().name_of(sum.id()).map_or_else(|| "total".to_owned(), str::to_owned);
+        let name = self.sheet.graph().name_of(sum.id()).map(str::to_owned);
+        let is_unnamed = name.is_none();
+        let name = name.unwrap_or_else(|| "total".to_owned());
         let symbol = self.sheet.make(|g| g.bind_unique(&name, sum.id())).id();
+        self.unnamed.borrow_mut().extend(is_unnamed.then_some(symbol));
         self.sheet.edit(|g| g.add_quantity(symbol));
         self.sums.borrow_mut().push((sum.id(), symbol));
         symbol
@@ -311,11 +317,9 @@ impl<'g> ElementModel<'g> {
             return;
         }
         // The name of a sum that the caller gave none makes way.
-        let is_own = |&&(sum, symbol): &&(ExprId, ExprId)| {
-            self.sheet.graph().name_of(sum).is_none() && self.sheet.expr(symbol).symbol_name() == name
-        };
-        match self.sums.borrow().iter().find(is_own) {
-            Some(&(_, symbol)) => self.sheet.edit(|g| g.rename(symbol)),
+        let is_own = |symbol: &&ExprId| self.sheet.expr(**symbol).symbol_name() == name;
+        match self.unnamed.borrow().iter().find(is_own) {
+            Some(&symbol) => self.sheet.edit(|g| g.rename(symbol)),
             None => self.fail(ElementError::Duplicate { name: name.to_owned() }),
         }
     }

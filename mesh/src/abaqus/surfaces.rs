@@ -145,8 +145,10 @@ impl Surfaces {
             surfaces[surface].unread = surfaces[surface].unread.or(unread);
             for index in indices {
                 let facets = face.facets(&elements[index]);
-                if facets.is_empty() && elements[index].kind().dimension() == 2 {
-                    // An edge, by CalculiX' numbers: it is no facet, and a fault only where the surface is asked for.
+                let kind = elements[index].kind();
+                let is_edge = |number: usize| kind.dimension() == 2 && number < kind.corner_count();
+                if matches!(face, Face::Number(number) if is_edge(number)) {
+                    // By CalculiX' numbers: no facet, and a fault only where the surface is asked for.
                     surfaces[surface].unsupported.get_or_insert_with(|| face.to_string());
                     continue;
                 }

@@ -364,10 +364,11 @@ class ContactInterface(FrictionHistory):
     def refresh_pairing(self, positions: ArrayLike) -> RefreshReport:
         """Takes over the positions, shape (p, 3), and pairs every slave anew.
 
-        With domains of influence lists of nodes are kept while nothing has moved by more than half their skin, 0.06 of
-        the shortest half axis of their domains, nor so far that another sheet may be the closest one. New lists of the
-        same sheet change no gap. Domains lie in the first configuration and are never renewed: they turn and stretch
-        with the master.
+        With domains of influence the list of a slave stays while slave and masters together have moved by less than
+        half its skin, 0.06 of the shortest half axis of its domains, and not so far that another sheet may be the
+        closest one. Another list changes no gap, unless the slave comes to where the old one does not reach, such as
+        another sheet: the report tells. Domains lie in the first configuration and are never renewed: they turn and
+        stretch with the master.
 
         While the interface is frozen it is an ``update``, and the report says so.
 

@@ -75,6 +75,8 @@ struct Layer {
     facet: u32,
     /// As it is seen.
     over: Polygon,
+    /// How far away it may be.
+    limit: f64,
     /// How deep the face's points may lie below it; `None` if it looks the way the face does.
     deepest: Option<f64>,
 }
@@ -158,7 +160,11 @@ pub fn cut(
         if deepest.is_none() && !hides {
             continue;
         }
-        let shape = index.shape(facet);
+        let (shape, limit) = (index.shape(facet), limit_of(facet));
+        let heights = || shape.corners().iter().map(|&x| view.normal.dot(&(x - view.origin)));
+        if heights().all(|height| height > limit) || heights().all(|height| height < -limit) {
+            continue;
+        }
         let mut over: Polygon = shape.corners().iter().map(|&x| view.seen(x)).collect();
         if faces_it {
             // From outside its own surface it runs the other way round.
@@ -169,9 +175,8 @@ pub fn cut(
             if places.is_empty() {
                 continue;
             }
-            layers.push(Layer { facet, over, deepest });
+            layers.push(Layer { facet, over, limit, deepest });
             let Some(deepest) = deepest else { continue };
-            let limit = limit_of(facet);
             for (place, weight) in places {
                 let x = view.point(place);
                 let Some(height) = height_over(&shape, x, view.normal) else { continue };
@@ -228,9 +233,12 @@ fn is_nearest(
     index: &SurfaceIndex<'_>,
     view: &View,
 ) -> bool {
-    let is_before = |&Layer { facet: other, ref over, deepest }: &Layer| {
+    let is_before = |&Layer { facet: other, ref over, limit, deepest }: &Layer| {
         let before = |found: f64| match deepest {
-            Some(deepest) => found >= -deepest && (found.abs(), other) < (height.abs(), facet),
+            Some(deepest) => {
+                let carries = found.abs() <= limit && found >= -deepest;
+                carries && (found.abs(), other) < (height.abs(), facet)
+            }
             None => found * height > 0.0 && found.abs() < height.abs(),
         };
         other != facet

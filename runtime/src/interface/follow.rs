@@ -26,8 +26,8 @@ struct Pairs<'a> {
 }
 
 impl ContactInterface {
-    /// Takes over the positions and pairs every slave anew; with nodal domains lists of nodes stay while nobody has moved by more
-    /// than half their skin, nor so far that another sheet may be the closest one.
+    /// Takes over the positions and pairs every slave anew. With nodal domains the list of a slave stays while slave and masters
+    /// together have moved by less than half its skin, and not so far that another sheet may be the closest one.
     ///
     /// With nodal domains every node of the slave's sheet is listed that may come within reach, and a refresh changes the gap
     /// only where another sheet has come to be the closest.

@@ -95,23 +95,30 @@ impl Refresh<'_> {
         facets.map(|facet| self.least_stretch(nodal, facet)).fold(1.0, f64::min)
     }
 
-    /// The smaller singular value of the deformation gradient of a facet: of its diagonals, or of two edges.
+    /// The least singular value of the deformation gradient at the corners of a facet, 0 where there is none.
     fn least_stretch(&self, nodal: &Nodal, facet: u32) -> f64 {
         let places = self.evaluator.surface.corners_of(facet as usize);
-        let now: Vec<Vector3> = self.index.shape(facet).corners().to_vec();
+        let now = self.index.shape(facet);
         let first: Vec<Vector3> =
             places.iter().map(|&place| Vector3::from(nodal.domains.first_position(place))).collect();
-        // Products of two lines across the facet.
-        let metric = |corners: &[Vector3]| {
-            let (one, other) = (corners[2] - corners[0], corners[corners.len() - 1] - corners[1]);
+        // Products of the two edges at a corner.
+        let metric = |corners: &[Vector3], k: usize| {
+            let beside = |by: usize| corners[(k + by) % corners.len()] - corners[k];
+            let (one, other) = (beside(1), beside(corners.len() - 1));
             [one.dot(&one), one.dot(&other), other.dot(&other)]
         };
-        let ([a, b, c], [d, e, f]) = (metric(&first), metric(&now));
-        let area = a * c - b * b;
-        let trace = (a * f - 2.0 * b * e + c * d) / area;
-        let determinant = (d * f - e * e) / area;
-        let largest = 0.5 * (trace + (trace * trace - 4.0 * determinant).max(0.0).sqrt());
-        (determinant.max(0.0) / largest).sqrt()
+        let at_corner = |k: usize| {
+            let ([a, b, c], [d, e, f]) = (metric(&first, k), metric(now.corners(), k));
+            let area = a * c - b * b;
+            let trace = (a * f - 2.0 * b * e + c * d) / area;
+            let determinant = (d * f - e * e) / area;
+            let largest = 0.5 * (trace + (trace * trace - 4.0 * determinant).max(0.0).sqrt());
+            let stretch = (determinant.max(0.0) / largest).sqrt();
+            if stretch.is_nan() { 0.0 } else { stretch }
+        };
+        // A triangle has one.
+        let count = if places.len() == 3 { 1 } else { places.len() };
+        (0..count).map(at_corner).fold(f64::INFINITY, f64::min)
     }
 }
 

@@ -39,7 +39,7 @@ pub enum NoContact {
     BeyondWindow { needed: f64, known: f64 },
     /// No facet lies over the faces around the node, seen along their normals, within the limit; of a surface in contact with itself, none
     /// that the node may touch. Over faces the limit is the largest of those faces, length.
-    #[error("no facet of the master lies over the faces around the node within {limit:e}")]
+    #[error("no facet of the master lies over the faces around the node within its reach, {limit:e} at most")]
     NothingOver { limit: f64 },
     /// No set of master nodes on the slave's side of sharp edges carries a fit.
     #[error("no candidate: {reason}")]

@@ -33,7 +33,8 @@ const DEEP: f64 = 0.1;
 pub enum Compares {
     /// Those of all slaves.
     All,
-    /// Of slaves that had no pairing, have none, or have that of another sheet: a list makes no difference to the gap of a sheet.
+    /// Of slaves that had no pairing, have none, or come to where their old list does not reach, such as another sheet: another list makes
+    /// no difference elsewhere.
     OtherSheets,
     /// Nobody's: nobody has a pairing.
     None,
@@ -65,6 +66,8 @@ pub struct RefreshScratch {
     search: NeighbourSearch,
     walk: Walk,
     ties: Vec<Closest>,
+    /// Whether the slave stays below a facet that it would not be paired with anew.
+    stays_below: bool,
     pub(super) masters: Vec<u32>,
     pub(super) sheet_nodes: Vec<u32>,
     pub(super) images: Vec<u32>,
@@ -79,6 +82,7 @@ impl RefreshScratch {
             search: NeighbourSearch::new(options)?,
             walk: Walk::default(),
             ties: Vec::new(),
+            stays_below: false,
             masters: Vec::new(),
             sheet_nodes: Vec::new(),
             images: Vec::new(),
@@ -195,6 +199,7 @@ impl Refresh<'_> {
         }
         let node = self.old.layout.slave(k);
         let old = self.old.get(k).ok();
+        scratch.stays_below = false;
         let closest = match self.facets {
             Some(facets) => Ok(self.over(node, facets[k])),
             None => self.closest(node, old.as_ref().filter(|_| self.follows), scratch),
@@ -205,11 +210,13 @@ impl Refresh<'_> {
             }
             self.pair(k, &closest, scratch)
         });
-        chunk.holds.push(self.holds(
+        let hold = self.holds(
             k,
             closest.as_ref().map_err(|reason| *reason),
             record.as_ref().map_err(|reason| *reason),
-        ));
+        );
+        // A refresh of the same positions would not find it.
+        chunk.holds.push(if scratch.stays_below { 0.0 } else { hold });
         let RefreshScratch { masters, sheet_nodes, images, auxiliary, patch, element, .. } = scratch;
         let paired = record.as_ref().map_err(|reason| *reason).and_then(|record| {
             let paired =
@@ -308,7 +315,8 @@ impl Refresh<'_> {
                 let closest = self.over(node, old.record.facet);
                 let offset = Vector3::from(self.evaluator.positions[node]) - closest.point;
                 scratch.ties.clear();
-                if before.dot(&offset) < 0.0 { Ok(closest) } else { found }
+                scratch.stays_below = before.dot(&offset) < 0.0;
+                if scratch.stays_below { Ok(closest) } else { found }
             }
             found => found,
         }

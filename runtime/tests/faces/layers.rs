@@ -103,3 +103,21 @@ fn the_nearest_of_layers_carries_at_their_rim_too() {
         covered.iter().for_each(|node| assert!((node.gap + 0.01).abs() < 1e-9, "{element:?} {node:?}"));
     }
 }
+
+/// A layer that is farther than its own reach carries nothing, and hides nothing behind it.
+#[test]
+fn a_layer_beyond_its_reach_hides_nothing() {
+    // Facets of 0.5 lie 1.6 above the slave's faces, one of 6 lies 1.8 above them.
+    let mut pair = Pair::new([12, 12], false, |x, y| [x, y, 0.0], |x, y| [x, y, -1.6]);
+    let first = pair.positions.len();
+    pair.positions.extend([[0.0, 0.0, 0.2], [6.0, 0.0, 0.2], [6.0, 6.0, 0.2], [0.0, 6.0, 0.2]]);
+    let near = pair.master.clone();
+    pair.master.push(Facet::Quadrilateral([0, 1, 2, 3].map(|k| first + k)));
+    let node_to_facet = elements().into_iter().filter(|element| *element == ContactElement::NodeToFacet);
+    for element in node_to_facet {
+        let alone = nodes_of(element, &near, &pair.slave, &pair.positions);
+        assert!(alone.iter().all(|node| node.area == 0.0), "{element:?}");
+        let both = nodes_of(element, &pair.master, &pair.slave, &pair.positions);
+        assert!(both.iter().all(|node| (node.gap + 1.8).abs() < 1e-12), "{element:?} {both:?}");
+    }
+}

@@ -74,6 +74,10 @@ pub trait Watcher: Send {
     fn other_instructions(&mut self, before: &str, now: &str) {
         let _ = (before, now);
     }
+    /// Something of the results that is not as it was asked for, in a sentence.
+    fn warning(&mut self, warning: &str) {
+        let _ = warning;
+    }
     /// A residual.
     fn iteration(&mut self, record: &IterationRecord);
     /// A failed increment.
@@ -265,8 +269,8 @@ impl<'a> Recorder<'a> {
         &self.state
     }
 
-    /// Writes what is left to write at the end of a run: the last picture, the sampled master surfaces and how it ended. The last evaluation
-    /// of `problem` may be of an increment that failed.
+    /// Writes what is left to write at the end of a run: the last picture, the sampled master surfaces and how it ended. Where the last
+    /// increment failed, `problem` has to be as that increment left it.
     ///
     /// # Errors
     /// [`OutputError::Write`]; those of reading the history that was written.
@@ -337,7 +341,9 @@ impl<'a> Recorder<'a> {
         if self.options.output.stress
             && let Err(error) = fields.recover(problem, &self.state)
         {
-            self.without_stress.get_or_insert_with(|| format!("increment {number} has no stresses: {error}"));
+            let warning = format!("increment {number} has no stresses: {error}");
+            self.watcher.warning(&warning);
+            self.without_stress.get_or_insert(warning);
         }
         picture::write(&self.directory, number, self.model, &self.model.nodes, &fields)?;
         let frame: SkinFrame = self.skin.frame(number, time, &self.state.positions, &fields);
@@ -392,6 +398,10 @@ impl<'a> Recorder<'a> {
             // So does what was written of the increment: the files are those of the last state.
             TABLES.iter().zip(lengths).for_each(|(table, length)| self.directory.shorten(table, length));
             let _ = self.directory.rewind(self.state.increments, self.options.output.every);
+            let _ = picture::write_series(&self.directory, &self.series);
+            if self.directory.path(names::POINTS).exists() {
+                let _ = self.write_point_series();
+            }
             return Err(error);
         }
         self.max_penetration_ever = self.max_penetration_ever.max(record.max_penetration);
@@ -490,8 +500,8 @@ impl Observer for Recorder<'_> {
         state: &State,
         problem: &Problem,
     ) -> Result<Control, Box<dyn std::error::Error + Send + Sync>> {
-        self.save(record, state, problem)?;
         self.failed = None;
+        self.save(record, state, problem)?;
         Ok(self.watcher.increment(record))
     }
 }

@@ -18,8 +18,6 @@ const SOFT_PART: f64 = 0.05;
 
 /// `summary.json`.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-// Earlier versions wrote fewer fields.
-#[serde(default)]
 pub struct Summary {
     /// Title of the deck.
     pub title: String,
@@ -36,42 +34,59 @@ pub struct Summary {
     /// Linear solutions, those of failed increments among them.
     pub newton_iterations: usize,
     /// Increments whose rounds of augmentation were over before the gaps were within the tolerance.
+    #[serde(default)]
     pub augmentations_short: usize,
     /// Increments whose last residual is above what the tolerances allow in any increment, and small enough only since rounding of the
     /// positions explains the rest.
+    #[serde(default)]
     pub increments_rounded: usize,
     /// Contacts that carried force and ended an increment without an element, and slaves that went through their masters in one.
+    #[serde(default)]
     pub contacts_lost: usize,
     /// Points of loaded faces that carried no force although they had a gap, over all increments.
+    #[serde(default)]
     pub points_missed: usize,
     /// Slaves that carried force without friction although their interface has it, over all increments.
+    #[serde(default)]
     pub slaves_unanchored: usize,
     /// Linear solutions in which slaves near their masters were taken to touch, over all increments.
+    #[serde(default)]
     pub solutions_supposed: usize,
     /// Linear solutions in which nothing but the stabilisation held a part, over all increments.
+    #[serde(default)]
     pub solutions_stabilised: usize,
     /// Iterations of all iterative linear solutions of finished increments.
+    #[serde(default)]
     pub linear_iterations: usize,
     /// Linear solutions by factors since the iterative one did not converge, over all increments.
+    #[serde(default)]
     pub solutions_direct_instead: usize,
     /// The most memory of matrix, preconditioner and vectors of an iterative linear solution in the last run, bytes; 0 if there was none.
+    #[serde(default)]
     pub linear_bytes: usize,
     /// Interfaces that carried no force, above what equilibrium is known to, at the end of any increment.
+    #[serde(default)]
     pub interfaces_without_force: Vec<String>,
     /// Interfaces whose force vanished although slaves that carried it have not risen from their masters, with the time of the first such
     /// increment.
+    #[serde(default)]
     pub interfaces_vanished: BTreeMap<String, f64>,
     /// Of each interface the most slaves at the end of an increment whose masters do not carry the fit that was asked for; of the start
     /// it is in [`interfaces`](Self::interfaces).
+    #[serde(default)]
     pub fallbacks: BTreeMap<String, Fallbacks>,
     /// Of each interface the most slaves that were deeper below their masters than 5 % of the size of their facets at the end of an increment,
     /// and the deepest of any; interfaces without any are left out.
+    #[serde(default)]
     pub penetrations: BTreeMap<String, Penetration>,
     /// How the slaves of each interface lay at the start, with its penalty.
+    #[serde(default)]
     pub interfaces: Vec<Beginning>,
     /// What the model is made of.
+    #[serde(default)]
     pub parts: Vec<PartSummary>,
     /// What may be wrong with the start, and what went wrong on the way, in sentences.
+    #[serde(default)]
     pub warnings: Vec<String>,
     /// Deepest penetration at the end, length.
     pub max_penetration: f64,
@@ -80,8 +95,10 @@ pub struct Summary {
     /// Sum of the contact forces on the slaves of all interactions at the end.
     pub contact_force: [f64; 3],
     /// Each interface at the end.
+    #[serde(default)]
     pub contacts: BTreeMap<String, ContactSummary>,
     /// Friction at the end, of each interface that has any.
+    #[serde(default)]
     pub friction: BTreeMap<String, FrictionSummary>,
     /// Seconds of the run; of all runs, if it was restarted.
     pub wall_s: f64,

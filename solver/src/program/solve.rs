@@ -168,6 +168,10 @@ impl Watcher for Progress {
         warnings.iter().for_each(|warning| say(&format!("warning: {warning}")));
     }
 
+    fn warning(&mut self, warning: &str) {
+        say(&format!("  warning: {warning}"));
+    }
+
     fn start(&mut self, interfaces: &[Beginning]) {
         for beginning in interfaces {
             let Beginning { interface, penalty, adjusted, slaves, paired, overlap, .. } = beginning;

@@ -23,8 +23,7 @@ pub trait Observer {
         let _ = record;
     }
 
-    /// An increment failed. It is told before [`cut_back`](Self::cut_back), and when it ends the run: the problem then holds forces and
-    /// contacts at its last evaluation.
+    /// An increment failed. It is told before [`cut_back`](Self::cut_back), and when it ends the run.
     fn failed(&mut self, failed: &FailedIncrement<'_>) {
         let _ = failed;
     }

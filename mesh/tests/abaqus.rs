@@ -427,6 +427,8 @@ fn bad_sets_and_surfaces_are_found_in_their_line() {
         " Brick, SPOS",
         "face \"SPOS\" does not belong to element 100, a hexahedron; its faces are S1 to S6",
     );
+    // A shell of four edges has no fifth.
+    assert_fault(" plate, sneg", " plate, S5", "face \"S5\" does not belong to element 201, a quadrilateral");
     assert_fault(" 15\n*Node Output", " 16\n*Node Output", "\"Dots\" refers to node 16");
     assert_fault("*Surface, type=node", "*Surface, type=cylinder", "expected *SURFACE of TYPE=");
     let message = message(&FLAT.replace("name=Dots", "name=Many"));

@@ -5,7 +5,7 @@
 use diffuse_contact_codegen::emit::MOST_STATEMENTS;
 use diffuse_contact_codegen::emit::emit_element_kernel;
 use diffuse_contact_codegen::expr::{Expr, Mat3, Matrix, Vec2, Vec3, Vector, total};
-use diffuse_contact_codegen::graph::{ExprId, Limits, Polynomial, Scope};
+use diffuse_contact_codegen::graph::{ExprId, Limits, Scope};
 use diffuse_contact_codegen::interpret::{Interpreter, NodeInputs, element_derivatives, element_results};
 use diffuse_contact_codegen::model::Input;
 use diffuse_contact_codegen::{Config, ConfigError, ElementError, ElementKernels, ElementModel, Mode};
@@ -432,31 +432,6 @@ fn any_name_may_be_given_to_an_expression() {
     assert!(config.source().is_ok_and(|text| !text.contains("my sum")) && config.c_source().is_ok());
 }
 
-/// A logarithm of 0 under a name is not multiplied where it is not chosen; a maximum may begin at −∞.
-#[test]
-fn values_that_are_not_finite_are_not_chosen() {
-    let element = kernels(|m| {
-        let [d, h] = [m.variable::<Expr<'_>>("d"), m.parameter("h")];
-        let l = m.define("l", (d / h).ln());
-        m.value("damped", l.max(0.0));
-        m.value("largest", m.sheet().number(f64::NEG_INFINITY).max(d).max(h));
-        m.value("held", m.held("l_held", (d / h).ln()).max(0.0));
-        // A polynomial of what has an infinite derivative.
-        m.energy(d * d + d.less(0.5).select(0.0, d.ln().polynomial(Polynomial::new(vec![0.0, 1.0, 3.0]))));
-    });
-    let all = element_results(element.kernels.last().unwrap(), &[&[0.0], &[2.0]], &[]);
-    let value = |name: &str| all.iter().find(|(other, _)| other == name).unwrap().1[0];
-    assert_eq!((value("damped"), value("largest"), value("held")), (0.0, 2.0, 0.0));
-    assert_eq!((value("gradient"), value("hessian")), (0.0, 2.0));
-    let config = Config::new().element("test", |m| {
-        let d: Expr<'_> = m.variable("d");
-        m.energy(m.sheet().number(f64::NEG_INFINITY).max(d) + m.sheet().number(f64::INFINITY).min(d));
-    });
-    let config = config.unwrap();
-    assert!(config.source().unwrap().contains("splat(-f64::INFINITY)"));
-    assert!(config.c_source().unwrap().contains("(-INFINITY)"));
-}
-
 /// Derivatives that formulas ask for go through what has a name, and not through what is held.
 #[test]
 fn derivatives_in_formulas_go_through_definitions() {
@@ -475,34 +450,6 @@ fn derivatives_in_formulas_go_through_definitions() {
     // x⁶ + 3 x⁴ + x³ + w x
     assert_eq!((value("slope"), value("curvature")), (192.0 + 96.0 + 12.0 + 2.0, 480.0 + 144.0 + 12.0));
     assert_eq!((value("energy"), value("gradient")), (4.0, 2.0));
-}
-
-/// A spring of length zero: no norm of a part, and no norm at the origin, takes its stiffness.
-#[test]
-fn a_squared_norm_has_its_hessian_everywhere() {
-    let squares: [fn(Vec3<'_>) -> Expr<'_>; 9] = [
-        |x| 0.5 * x.norm().powi(2),
-        |x| 0.5 * x.norm() * x.norm(),
-        |x| 0.25 * x.norm().powi(2) + 0.25 * (x.norm() * x[2]).powi(2) / x[2].powi(2),
-        |x| 0.5 * x.norm().powf(2.0) + x.norm().powi(4) - x.norm() * x.norm().powi(3),
-        // Over a radius, as weights have it.
-        |x| 4.5 * (x.norm() / 3.0).powi(2),
-        |x| 4.5 * (x.norm() / 3.0) * (x.norm() / 3.0),
-        |x| (x.norm() / 3.0).polynomial(Polynomial::new(vec![0.0, 0.0, 4.5])),
-        |x| (0.25 * x.norm()).polynomial(Polynomial::new(vec![1.0, 0.0, 8.0])),
-        |x| 4.5 * (0.5 * x.norm() / 1.5).powi(2),
-    ];
-    for (k, square) in squares.into_iter().enumerate() {
-        let element = kernels(|m| {
-            let (x, stiffness): (Vec3<'_>, Expr<'_>) = (m.variable("x"), m.parameter("k"));
-            m.energy(stiffness * square(x));
-        });
-        for at in [[0.0, 0.0, 1.0], [0.0; 3]].into_iter().filter(|x| k != 2 || x[2] != 0.0) {
-            let all = element_results(element.kernels.last().unwrap(), &[&at, &[7.0]], &[]);
-            let hessian = &all.iter().find(|(name, _)| name == "hessian").unwrap().1;
-            assert!(difference(hessian, &[7.0, 0.0, 7.0, 0.0, 0.0, 7.0]) < 1e-14, "{k} {at:?}: {hessian:?}");
-        }
-    }
 }
 
 /// Long products are not taken apart without end.

@@ -3,6 +3,7 @@
 mod config;
 mod element;
 mod element_c;
+mod element_choices;
 mod element_known;
 mod element_nodes;
 mod element_points;

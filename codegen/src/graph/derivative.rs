@@ -34,6 +34,7 @@ impl Graph {
 
     /// ∂`expr`/∂`symbol` as formulas have it: by the chain rule through the quantities that they define.
     pub(crate) fn derivative_of_formula(&mut self, expr: ExprId, symbol: SymbolId) -> ExprId {
+        let expr = self.written_out(&[expr], Some(symbol))[0];
         // By a symbol of a node a sum within a sum changes the terms of all nodes.
         if self.symbol_data(symbol).scope == Scope::Node
             && let Some(inner) = self.sum_within_sum(expr)
@@ -71,13 +72,10 @@ impl Graph {
 
     /// A sum over the nodes within the terms of another one that has none within its own. Definitions are not entered.
     fn sum_within_sum(&self, expr: ExprId) -> Option<ExprId> {
-        let next = |g: &Self, x: ExprId| match g.op(x) {
-            Op::Symbol(_) => Vec::new(),
-            _ => g.operands(x),
-        };
         let is_sum = |x: &ExprId| matches!(self.op(*x), Op::Sum(_));
-        let within = |x: ExprId| self.reachable(x, next).into_iter().filter(move |y| *y != x).find(is_sum);
-        let mut inner = self.reachable(expr, next).into_iter().filter(is_sum).find_map(within)?;
+        let below = |x: ExprId| self.reachable(x, Self::operands).into_iter();
+        let within = |x: ExprId| below(x).filter(move |y| *y != x).find(is_sum);
+        let mut inner = below(expr).filter(is_sum).find_map(within)?;
         while let Some(x) = within(inner) {
             inner = x;
         }

@@ -19,6 +19,7 @@ mod simplify;
 mod structured;
 mod substitute;
 mod symbols;
+mod written_out;
 
 use rustc_hash::{FxHashMap, FxHashSet};
 
@@ -178,6 +179,18 @@ pub enum Op {
 }
 
 impl Op {
+    /// Whether it is a value of a system or of equations.
+    const fn is_unknown(self) -> bool {
+        matches!(
+            self,
+            Self::RootValue(..)
+                | Self::RootFigure(..)
+                | Self::Solution(..)
+                | Self::InverseFactor { .. }
+                | Self::PivotRatio(_)
+        )
+    }
+
     fn operands(self) -> Vec<ExprId> {
         match self {
             Self::Add(x, y) | Self::Mul(x, y) | Self::Div(x, y) | Self::DivOrZero(x, y) => vec![x, y],

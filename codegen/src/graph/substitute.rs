@@ -60,25 +60,12 @@ impl Graph {
 
     /// Refuses unknowns of equations that change with one of these symbols. Definitions are not entered.
     fn refuse_unknowns(&self, expr: ExprId, symbols: &[ExprId]) {
-        let within = self.reachable(expr, |g, x| match g.op(x) {
-            Op::Symbol(_) => Vec::new(),
-            _ => g.operands(x),
-        });
-        let is_unknown = |x: &ExprId| {
-            matches!(
-                self.op(*x),
-                Op::RootValue(..)
-                    | Op::RootFigure(..)
-                    | Op::Solution(..)
-                    | Op::InverseFactor { .. }
-                    | Op::PivotRatio(_)
-            )
-        };
+        let within = self.reachable(expr, Self::operands);
         let changes = |x: &ExprId| {
             let all = self.reachable(*x, Self::dependencies);
             symbols.iter().find(|symbol| all.contains(symbol)).copied()
         };
-        if let Some(symbol) = within.iter().filter(|x| is_unknown(x)).find_map(changes) {
+        if let Some(symbol) = within.iter().filter(|x| self.op(**x).is_unknown()).find_map(changes) {
             let name = &self.symbol_data(self.symbol_of(symbol)).name;
             panic!("unknowns of equations change with `{name}`: they have no other values with another one");
         }

@@ -19,12 +19,13 @@ impl Graph {
         }
     }
 
-    /// Whether an expression is a symbol whose value is finite wherever the inputs are.
+    /// Whether an expression is a symbol that is finite, with its derivatives, wherever the inputs are.
     pub(super) fn is_finite_symbol(&self, expr: ExprId) -> bool {
         matches!(self.op(expr), Op::Symbol(symbol) if self.symbol_data(symbol).is_finite)
     }
 
-    /// Whether a definition is finite wherever the inputs are, but for overflow: one without divisions, roots and logarithms.
+    /// Whether a definition is finite, with its derivatives, wherever the inputs are, but for overflow: one without divisions, roots and
+    /// logarithms.
     fn is_finite(&self, definition: ExprId) -> bool {
         self.is_finite_over(definition, |_| false)
     }
@@ -41,7 +42,7 @@ impl Graph {
                 Op::Symbol(symbol) => self.symbol_data(symbol).is_finite,
                 Op::Power(_, exponent) => exponent > 0,
                 Op::Div(_, divisor) => is_divisor(divisor),
-                Op::Function(function, _) => function != Function::Ln,
+                Op::Function(function, _) => !matches!(function, Function::Ln | Function::Cbrt),
                 Op::Add(..) | Op::Neg(_) | Op::Mul(..) | Op::Polynomial(..) | Op::Hypot(..) => true,
                 Op::Select { .. } | Op::Sum(_) | Op::DivOrZero(..) => true,
                 _ => false,
@@ -129,7 +130,16 @@ impl Graph {
 
     /// An expression and what it is made of, each once.
     pub(super) fn reachable(&self, expr: ExprId, next: impl Fn(&Self, ExprId) -> Vec<ExprId>) -> Vec<ExprId> {
-        let (mut seen, mut all, mut open) = (FxHashSet::default(), Vec::new(), vec![expr]);
+        self.reachable_from(vec![expr], next)
+    }
+
+    /// The same of several.
+    pub(super) fn reachable_from(
+        &self,
+        mut open: Vec<ExprId>,
+        next: impl Fn(&Self, ExprId) -> Vec<ExprId>,
+    ) -> Vec<ExprId> {
+        let (mut seen, mut all) = (FxHashSet::default(), Vec::new());
         while let Some(x) = open.pop() {
             if seen.insert(x) {
                 all.push(x);

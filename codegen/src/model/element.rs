@@ -6,7 +6,7 @@ pub use super::element_error::ElementError;
 pub use super::element_outputs::{Defined, ElementKernels, ElementSpec, NodeResult};
 use super::element_outputs::{Finished, Outputs};
 use super::signature::{Differentiated, Input, Points, Quantity, Returned, Role, Signature, is_identifier};
-use crate::expr::{Expr, Sheet};
+use crate::expr::{Expr, Sheet, ids};
 use crate::graph::{ExprId, Graph, NODE_COUNT, NODE_INDEX, Op, Scope};
 use crate::structure::{Implicit, has_within, sums_in};
 
@@ -141,9 +141,8 @@ impl<'g> ElementModel<'g> {
     }
 
     /// An intermediate quantity, such as a deformation gradient: its name appears in the code, and derivatives go through it by the
-    /// chain rule. Values are the same without; operations may be fewer with it. A quantity of a node gets its name only.
-    ///
-    /// A norm that is squared later is better not named: where it is zero the chain rule has no second derivative of it, and takes 0.
+    /// chain rule. Values are the same without; operations may be fewer with it. A quantity of a node gets its name only, and so do those
+    /// through which derivatives would be lost: norms, and what a choice leaves out where it has infinite derivatives.
     #[must_use]
     pub fn define<Q: Quantity<'g>>(&self, name: &str, quantity: Q) -> Q {
         self.check_name(name);
@@ -203,6 +202,11 @@ impl<'g> ElementModel<'g> {
             }
             _ => self.with_bound_sums(x, &[]),
         }
+    }
+
+    /// Expressions with formulas in the place of quantities through which they would lose derivatives.
+    pub(super) fn written_out(&self, exprs: Vec<Expr<'g>>) -> Vec<Expr<'g>> {
+        self.sheet.exprs(self.sheet.edit(|g| g.written_out(&ids(&exprs), None)))
     }
 
     fn symbol_of_sum(&self, sum: Expr<'g>) -> ExprId {
@@ -303,6 +307,10 @@ impl<'g> ElementModel<'g> {
         }
         let (name, doc, dimensions) = (name.to_owned(), String::new(), Q::dimensions());
         let entries = quantity.entries().into_iter().map(|x| self.with_bound_sums(x, &[])).collect();
+        let entries = match differentiated {
+            Differentiated::Not => entries,
+            _ => self.written_out(entries),
+        };
         outputs.push((Returned { name, doc, dimensions, differentiated }, entries));
     }
 

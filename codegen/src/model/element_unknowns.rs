@@ -69,6 +69,7 @@ impl<'g> ElementModel<'g> {
         let unknowns = self.unknowns(name);
         let equations = equations(unknowns);
         self.check_sought(&equations.0, &unknowns.0);
+        let equations = self.vector_written_out(equations);
         self.check_equations(name, equations);
         let (_, at) = self
             .sheet
@@ -177,7 +178,8 @@ impl<'g> ElementModel<'g> {
         if self.has_failed() {
             return self.no_root(name);
         }
-        let equations = equations.map(|equation| self.with_bound_sums(equation, &unknowns.0));
+        let equations =
+            self.vector_written_out(equations.map(|equation| self.with_bound_sums(equation, &unknowns.0)));
         self.check_equations(name, equations);
         let (root, values) = self.sheet.root_by(iteration, name, unknowns, equations);
         let values = self.define(name, values);
@@ -218,7 +220,7 @@ impl<'g> ElementModel<'g> {
         let function = function(unknowns);
         self.check_sought(&[function], &unknowns.0);
         let function = if function.scope() == Scope::Node { function.sum() } else { function };
-        let function = self.with_bound_sums(function, &unknowns.0);
+        let function = self.written_out(vec![self.with_bound_sums(function, &unknowns.0)])[0];
         // What a sum is multiplied by with it may be free of unknowns now.
         let equations = unknowns.map(|u| self.with_bound_sums(function.by(u), &unknowns.0));
         let lower: Vec<Vec<Expr<'g>>> =
@@ -250,6 +252,11 @@ impl<'g> ElementModel<'g> {
             });
         }
         Stationary { unknowns: values, pivot_ratio: system.pivot_ratio() }
+    }
+
+    fn vector_written_out<const N: usize>(&self, vector: Vector<'g, N>) -> Vector<'g, N> {
+        let entries = self.written_out(vector.to_vec());
+        Vector::from_fn(|k| entries[k])
     }
 
     /// Symbols in the place of a root that is refused, so that what follows does not hide the error.

@@ -153,6 +153,9 @@ impl<'g> Finder<'g> {
         let graph = self.sheet.graph();
         let mut kinds = FxHashMap::default();
         self.kind(&graph, piece, &mut kinds);
+        let left_out = graph.left_out(&[piece]);
+        // By a symbol in its place a choice would not leave out its derivatives.
+        let is_lost = |x: &ExprId| left_out.contains(x) && !graph.is_smooth(*x);
         let mut found: Option<ExprId> = None;
         for (&expr, kind) in &kinds {
             if kind.is_linear || self.is_symbol(expr) {
@@ -162,7 +165,7 @@ impl<'g> Finder<'g> {
             for operand in graph.operands(expr).into_iter().map(|x| self.core(&graph, x, &kinds)) {
                 let kind = kinds[&operand];
                 let is_argument = nonlinear.contains(&operand) && !matches!(graph.op(operand), Op::Hypot(..));
-                if kind.reach == Reach::Many && (kind.is_linear || is_argument) {
+                if kind.reach == Reach::Many && (kind.is_linear || is_argument) && !is_lost(&operand) {
                     found = found.into_iter().chain([operand]).min();
                 }
             }

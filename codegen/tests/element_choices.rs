@@ -1,0 +1,190 @@
+//! Derivatives of formulas where a part of them has none: choices that leave it out, and squares of norms.
+#![allow(non_snake_case)]
+
+use diffuse_contact_codegen::emit::emit_element_kernel;
+use diffuse_contact_codegen::expr::{Expr, Mat3, Vec2, Vec3, Vector};
+use diffuse_contact_codegen::graph::Polynomial;
+use diffuse_contact_codegen::interpret::{element_products, element_results};
+use diffuse_contact_codegen::{Config, ElementKernels, ElementModel};
+
+use crate::witnesses::difference;
+
+fn kernels(formulas: impl FnOnce(&ElementModel<'_>)) -> ElementKernels {
+    ElementKernels::new("test", formulas).unwrap()
+}
+
+/// Results of the kernel with all derivatives, and the products with a direction, by name.
+fn results(
+    element: &ElementKernels,
+    inputs: &[&[f64]],
+    direction: &[f64],
+) -> impl Fn(&str) -> Vec<f64> + use<> {
+    let mut all = element_results(element.kernels.last().unwrap(), inputs, &[]);
+    if let Some(product) = &element.product {
+        all.extend(element_products(product, inputs, &[], direction));
+    }
+    move |name| all.iter().find(|(other, _)| other == name).unwrap().1.clone()
+}
+
+/// A logarithm of 0 under a name is not multiplied where it is not chosen; a maximum may begin at −∞.
+#[test]
+fn values_that_are_not_finite_are_not_chosen() {
+    let element = kernels(|m| {
+        let [d, h] = [m.variable::<Expr<'_>>("d"), m.parameter("h")];
+        let l = m.define("l", (d / h).ln());
+        m.value("damped", l.max(0.0));
+        m.value("largest", m.sheet().number(f64::NEG_INFINITY).max(d).max(h));
+        m.value("held", m.held("l_held", (d / h).ln()).max(0.0));
+        // A polynomial of what has an infinite derivative.
+        m.energy(d * d + d.less(0.5).select(0.0, d.ln().polynomial(Polynomial::new(vec![0.0, 1.0, 3.0]))));
+    });
+    let all = element_results(element.kernels.last().unwrap(), &[&[0.0], &[2.0]], &[]);
+    let value = |name: &str| all.iter().find(|(other, _)| other == name).unwrap().1[0];
+    assert_eq!((value("damped"), value("largest"), value("held")), (0.0, 2.0, 0.0));
+    assert_eq!((value("gradient"), value("hessian")), (0.0, 2.0));
+    let config = Config::new().element("test", |m| {
+        let d: Expr<'_> = m.variable("d");
+        m.energy(m.sheet().number(f64::NEG_INFINITY).max(d) + m.sheet().number(f64::INFINITY).min(d));
+    });
+    let config = config.unwrap();
+    assert!(config.source().unwrap().contains("splat(-f64::INFINITY)"));
+    assert!(config.c_source().unwrap().contains("(-INFINITY)"));
+}
+
+/// At d = 0 each of these has an infinite derivative, or none, and a choice leaves it out.
+#[test]
+fn a_choice_leaves_out_the_derivatives_of_what_has_a_name() {
+    type Quantity = for<'g> fn(Expr<'g>, Expr<'g>) -> Expr<'g>;
+    let quantities: [Quantity; 7] = [
+        |d, h| (d / h).ln(),
+        |d, _| d.sqrt(),
+        |d, h| (d * h).cbrt(),
+        |d, h| d.powf(h),
+        |d, _| 1.0 / d,
+        |d, h| d.atan2(h - 1.0),
+        |d, h| (h - 1.0 + d.sqrt() + d.cbrt()).sqrt(),
+    ];
+    for (k, quantity) in quantities.into_iter().enumerate() {
+        let element = kernels(|m| {
+            let (x, h): (Vec2<'_>, Expr<'_>) = (m.variable("x"), m.parameter("h"));
+            let d = m.define("d", x[0] + x[1]);
+            let q = m.define("q", quantity(d, h));
+            // What is made of it is left out with it.
+            let square = m.define("square", q * q + d);
+            let chosen = d.less(0.5).select(d * d, q.exp() + square * q);
+            m.energy(chosen);
+            m.residual("force", Vector([d.less(0.5).select(d, q), d.less(0.5).select(0.0, square) + x[0]]));
+            m.value("slope", chosen.by(x[1]));
+            m.value("of_quantity", (q * q).by(q) - 2.0 * q);
+            let root = m.root("u", |u: Vector<'_, 1>| Vector([u[0] - d.less(0.5).select(0.3 * d, q)]));
+            m.residual("root", root.unknowns);
+            m.product();
+        });
+        let at_zero = results(&element, &[&[0.25, -0.25], &[1.0]], &[1.0, 2.0]);
+        assert_eq!(at_zero("gradient"), [0.0, 0.0], "{k}");
+        assert_eq!(at_zero("hessian"), [2.0; 3], "{k}");
+        assert_eq!(at_zero("force_jacobian"), [1.0, 1.0, 1.0, 0.0], "{k}");
+        assert_eq!(at_zero("slope"), [0.0], "{k}");
+        assert!(difference(&at_zero("root_jacobian"), &[0.3, 0.3]) < 1e-15, "{k}");
+        assert_eq!(at_zero("hessian_product"), [6.0, 6.0], "{k}");
+        assert!(difference(&at_zero("root_jacobian_product"), &[0.9]) < 1e-15, "{k}");
+        let elsewhere = results(&element, &[&[0.5, 0.4], &[1.5]], &[1.0, 2.0]);
+        assert_eq!(elsewhere("of_quantity"), [0.0], "{k}");
+        assert_eq!(elsewhere("slope")[0], elsewhere("gradient")[1], "{k}");
+        assert_ne!(elsewhere("gradient")[0], 2.0 * 0.9, "{k}");
+    }
+}
+
+/// The same without names, where the generator makes names of its own.
+#[test]
+fn a_choice_leaves_out_the_derivatives_of_what_the_generator_names() {
+    let element = kernels(|m| {
+        let (x, h): (Vec2<'_>, Expr<'_>) = (m.variable("x"), m.parameter("h"));
+        let d = x[0].sqrt() + x[1].cbrt();
+        let image = (x[0] - x[1]) / h;
+        let left_out = (1.0 + d).sqrt() + (1.0 + d).ln() + image.exp() * image.powi(3);
+        m.energy(x[0].less(0.5).select(x[0] * x[1], left_out));
+        m.product();
+    });
+    let at_zero = results(&element, &[&[0.0, 0.0], &[0.0]], &[1.0, 2.0]);
+    assert_eq!(at_zero("gradient"), [0.0, 0.0]);
+    assert_eq!(at_zero("hessian"), [0.0, 1.0, 0.0]);
+    assert_eq!(at_zero("hessian_product"), [2.0, 1.0]);
+}
+
+/// Sums over the nodes keep their names; what is in their terms is written out.
+#[test]
+fn terms_of_sums_leave_out_derivatives() {
+    let element = kernels(|m| {
+        let (s, X): (Expr<'_>, Expr<'_>) = (m.variable("s"), m.node_variable("X"));
+        let root = m.define("root", s.sqrt());
+        let total = m.define("total", s.less(0.5).select(X * s, root * X).sum());
+        m.energy(total * total + total);
+    });
+    let nodes: [&[f64]; 3] = [&[1.0], &[2.0], &[4.0]];
+    let all = element_results(element.kernels.last().unwrap(), &[&[0.0]], &nodes);
+    let value = |name: &str| all.iter().find(|(other, _)| other == name).unwrap().1.clone();
+    assert_eq!(value("gradient")[0], 7.0);
+    assert_eq!(value("hessian")[0], 2.0 * 49.0);
+}
+
+/// Under a guard the deformation gradient, which is a quotient, is written out; what it is made of still has derivatives of its own.
+#[test]
+fn a_guard_takes_half_as_many_operations_again() {
+    let operations = |is_guarded: bool| {
+        let element = kernels(|m| {
+            let (x, X): ([Vec3<'_>; 4], [Vec3<'_>; 4]) = (m.variable("x"), m.parameter("X"));
+            let [d, D] = [x, X].map(|x| Mat3::from_columns([1, 2, 3].map(|k| x[k] - x[0])));
+            let F = m.define("F", d * D.inverse());
+            let J = m.define("J", F.determinant());
+            let W = F.double_dot(F) - 2.0 * J.ln() + 0.7 * J.ln().powi(2);
+            m.energy(if is_guarded { J.less(1e-3).select(1e6, W) } else { W });
+        });
+        emit_element_kernel(element.kernels.last().unwrap()).counts.total()
+    };
+    let [guarded, plain] = [true, false].map(operations);
+    assert!(guarded < plain + plain / 2, "{guarded} {plain}");
+}
+
+/// A spring of length zero: no norm of a part, and no norm at the origin, takes its stiffness.
+#[test]
+fn a_squared_norm_has_its_hessian_everywhere() {
+    let squares: [fn(Vec3<'_>) -> Expr<'_>; 9] = [
+        |x| 0.5 * x.norm().powi(2),
+        |x| 0.5 * x.norm() * x.norm(),
+        |x| 0.25 * x.norm().powi(2) + 0.25 * (x.norm() * x[2]).powi(2) / x[2].powi(2),
+        |x| 0.5 * x.norm().powf(2.0) + x.norm().powi(4) - x.norm() * x.norm().powi(3),
+        // Over a radius, as weights have it.
+        |x| 4.5 * (x.norm() / 3.0).powi(2),
+        |x| 4.5 * (x.norm() / 3.0) * (x.norm() / 3.0),
+        |x| (x.norm() / 3.0).polynomial(Polynomial::new(vec![0.0, 0.0, 4.5])),
+        |x| (0.25 * x.norm()).polynomial(Polynomial::new(vec![1.0, 0.0, 8.0])),
+        |x| 4.5 * (0.5 * x.norm() / 1.5).powi(2),
+    ];
+    for (k, square) in squares.into_iter().enumerate() {
+        let element = kernels(|m| {
+            let (x, stiffness): (Vec3<'_>, Expr<'_>) = (m.variable("x"), m.parameter("k"));
+            m.energy(stiffness * square(x));
+        });
+        for at in [[0.0, 0.0, 1.0], [0.0; 3]].into_iter().filter(|x| k != 2 || x[2] != 0.0) {
+            let all = element_results(element.kernels.last().unwrap(), &[&at, &[7.0]], &[]);
+            let hessian = &all.iter().find(|(name, _)| name == "hessian").unwrap().1;
+            assert!(difference(hessian, &[7.0, 0.0, 7.0, 0.0, 0.0, 7.0]) < 1e-14, "{k} {at:?}: {hessian:?}");
+        }
+    }
+}
+
+/// So has that of a norm with a name.
+#[test]
+fn a_squared_norm_with_a_name_has_its_hessian_everywhere() {
+    let element = kernels(|m| {
+        let (x, k): (Vec3<'_>, Expr<'_>) = (m.variable("x"), m.parameter("k"));
+        let length = m.define("length", x.norm());
+        m.value("length_itself", length);
+        m.energy(0.5 * k * length.powi(2));
+        m.product();
+    });
+    let found = results(&element, &[&[0.0; 3], &[7.0]], &[1.0, 2.0, 3.0]);
+    assert!(difference(&found("hessian"), &[7.0, 0.0, 7.0, 0.0, 0.0, 7.0]) < 1e-14);
+    assert!(difference(&found("hessian_product"), &[7.0, 14.0, 21.0]) < 1e-14);
+}

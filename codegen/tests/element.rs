@@ -386,8 +386,8 @@ fn mistakes_name_the_element_and_the_expression() {
             m.residual("r", root.unknowns);
         };
         let longest_step = longest_step.to_string();
-        let expected = ElementError::Limits { root: named("u_way"), longest_step, evaluations };
-        check(error_of("a", endless), expected, "u_way");
+        let expected = ElementError::Limits { root: named("u"), longest_step, evaluations };
+        check(error_of("a", endless), expected, "`u`");
     }
     check(error_of("a", |m| discard(m.variable::<Expr<'_>>("x"))), ElementError::NoOutput, "energy");
     let fixed = |m: &ElementModel<'_>| m.energy(m.parameter::<Expr<'_>>("k").sqrt());

@@ -188,3 +188,106 @@ fn a_squared_norm_with_a_name_has_its_hessian_everywhere() {
     assert!(difference(&found("hessian"), &[7.0, 0.0, 7.0, 0.0, 0.0, 7.0]) < 1e-14);
     assert!(difference(&found("hessian_product"), &[7.0, 14.0, 21.0]) < 1e-14);
 }
+
+/// Functions of a norm that are smooth where it is zero: n² or about that.
+#[test]
+fn a_smooth_function_of_a_norm_has_its_hessian_where_the_norm_is_zero() {
+    type Smooth = (for<'g> fn(Expr<'g>, Expr<'g>) -> Expr<'g>, f64);
+    let functions: [Smooth; 10] = [
+        (|n, _| n.cos(), -1.0),
+        (|n, _| n.sin().powi(2), 2.0),
+        (|n, one| n.atan2(one).powi(2), 2.0),
+        (|n, _| n.exp() + (-n).exp(), 2.0),
+        (|n, _| (1.0 - n) * (1.0 + n), -2.0),
+        (|n, k| (k - n).powi(2) - k * k + 2.0 * k * n, 2.0),
+        (|n, one| 0.5 * (n - (one - 1.0)).powi(2), 1.0),
+        (|n, _| (n + n.powi(2)).powi(2), 2.0),
+        (|n, _| (1.0 + n).powf(2.7) + (1.0 - n).powf(2.7), 2.0 * 2.7 * 1.7),
+        (|n, _| n.powi(2) * n.cos() + n.cos() * 3.0, 2.0 - 3.0),
+    ];
+    for (k, (function, curvature)) in functions.into_iter().enumerate() {
+        for is_named in [false, true] {
+            let element = kernels(|m| {
+                let (x, one): (Vec3<'_>, Expr<'_>) = (m.variable("x"), m.parameter("one"));
+                let n = x.norm();
+                m.energy(function(if is_named { m.define("n", n) } else { n }, one));
+                m.product();
+            });
+            let found = results(&element, &[&[0.0; 3], &[1.0]], &[1.0, 2.0, 3.0]);
+            let c = curvature;
+            assert!(difference(&found("gradient"), &[0.0; 3]) < 1e-15, "{k}: {:?}", found("gradient"));
+            assert!(
+                difference(&found("hessian"), &[c, 0.0, c, 0.0, 0.0, c]) < 1e-14,
+                "{k}: {:?}",
+                found("hessian")
+            );
+            let product = found("hessian_product");
+            assert!(difference(&product, &[c, 2.0 * c, 3.0 * c]) < 1e-14, "{k}: {product:?}");
+            // Beside it the limit is reached.
+            let beside = results(&element, &[&[1e-6, 0.0, 0.0], &[1.0]], &[1.0, 2.0, 3.0]);
+            assert!(difference(&beside("hessian"), &found("hessian")) < 1e-4, "{k}: {:?}", beside("hessian"));
+            assert!(difference(&beside("hessian_product"), &product) < 1e-4, "{k}");
+        }
+    }
+}
+
+/// A straight rod resists bending, and a body at rest in its plane has the stiffness of a body that is not quite at rest.
+#[test]
+fn rods_and_principal_stretches_have_their_stiffness_at_rest() {
+    let rod = kernels(|m| {
+        let x: [Vec3<'_>; 3] = m.variable("x");
+        let [e, f] = [x[1] - x[0], x[2] - x[1]];
+        m.energy(0.5 * e.cross(f).norm().atan2(e.dot(f)).powi(2));
+        m.product();
+    });
+    let straight = [0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 2.0, 0.0, 0.0];
+    let across = [0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0];
+    let found = results(&rod, &[&straight], &across);
+    let expected = [0.0, 1.0, 0.0, 0.0, -2.0, 0.0, 0.0, 1.0, 0.0];
+    assert!(difference(&found("hessian_product"), &expected) < 1e-14, "{:?}", found("hessian_product"));
+    let bent = results(&rod, &[&[0.0, 0.0, 0.0, 1.0, 1e-5, 0.0, 2.0, 0.0, 0.0]], &across);
+    assert!(difference(&found("hessian"), &bent("hessian")) < 1e-4);
+
+    let ogden = kernels(|m| {
+        let F: [[Expr<'_>; 2]; 2] = m.variable("F");
+        let c = |i: usize, j: usize| F[0][i] * F[0][j] + F[1][i] * F[1][j];
+        let (half, radius) = (0.5 * (c(0, 0) + c(1, 1)), (0.5 * (c(0, 0) - c(1, 1))).hypot(c(0, 1)));
+        let [first, second] = [half + radius, half - radius].map(|square| square.powf(1.35));
+        let J = F[0][0] * F[1][1] - F[0][1] * F[1][0];
+        m.energy(1.3 / 2.7 * (first + second) - 1.3 * J.ln() + 5.0 * (J - 1.0).powi(2));
+    });
+    let hessian = |F: [f64; 4]| results(&ogden, &[&F], &[])("hessian");
+    let (at_rest, beside) = (hessian([1.0, 0.0, 0.0, 1.0]), hessian([1.0 + 1e-5, 0.0, 0.0, 1.0]));
+    assert!(difference(&at_rest, &beside) < 1e-3, "{at_rest:?} {beside:?}");
+    assert!((at_rest[0] - 13.51).abs() < 1e-10 && (at_rest[2] - 1.755).abs() < 1e-10, "{at_rest:?}");
+}
+
+/// Norms of what is summed over the nodes.
+#[test]
+fn norms_of_sums_have_their_hessian_where_they_are_zero() {
+    let element = kernels(|m| {
+        let (x, w, X): (Vec3<'_>, Expr<'_>, Vec3<'_>) =
+            (m.variable("x"), m.node_parameter("w"), m.node_variable("X"));
+        let away = m.define("away", x - X.map(|X| (w * X).sum() / w.sum()));
+        m.energy(1.0 - away.norm().cos());
+        m.product();
+    });
+    let nodes: [&[f64]; 3] = [&[1.0, 1.0, 0.0, 0.0], &[2.0, 0.0, 1.0, 0.0], &[1.0, 0.0, 0.0, 1.0]];
+    let at = [0.25, 0.5, 0.25];
+    let all = element_results(element.kernels.last().unwrap(), &[&at], &nodes);
+    let value = |name: &str| all.iter().find(|(other, _)| other == name).unwrap().1.clone();
+    assert!(difference(&value("gradient"), &[0.0; 12]) < 1e-15);
+    let hessian = value("hessian");
+    // By x it is the identity; by x and a node −w/Σw of it.
+    let entry = |i: usize, j: usize| hessian[i.max(j) * (i.max(j) + 1) / 2 + i.min(j)];
+    let parts = [1.0, -0.25, -0.5, -0.25];
+    for (i, j) in (0..12).flat_map(|i| (0..12).map(move |j| (i, j))) {
+        let expected = if i % 3 == j % 3 { parts[i / 3] * parts[j / 3] } else { 0.0 };
+        assert!((entry(i, j) - expected).abs() < 1e-14, "{i} {j}: {}", entry(i, j));
+    }
+    let direction: Vec<f64> = (0..12).map(|k| f64::from(k % 5) - 1.5).collect();
+    let products = element_products(element.product.as_ref().unwrap(), &[&at], &nodes, &direction);
+    let product = &products.iter().find(|(name, _)| name == "hessian_product").unwrap().1;
+    let expected: Vec<f64> = (0..12).map(|i| (0..12).map(|j| entry(i, j) * direction[j]).sum()).collect();
+    assert!(difference(product, &expected) < 1e-14, "{product:?} {expected:?}");
+}

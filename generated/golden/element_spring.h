@@ -15,7 +15,7 @@
 #endif
 
 #ifndef DIFFUSE_CONTACT_ELEMENT_SPRING
-#define DIFFUSE_CONTACT_ELEMENT_SPRING 2348784867u
+#define DIFFUSE_CONTACT_ELEMENT_SPRING 3928097608u
 
 /* A spring between two points, linear in its stretch. */
 typedef struct {
@@ -78,24 +78,24 @@ static inline void spring_gradient(const spring_inputs *inputs, spring_values *v
     const double x_2_z = inputs->x[1][2];
     const double stiffness = inputs->stiffness;
     const double length = inputs->length;
-    const double sum = x_2_x - x_1_x;
-    const double sum_v2 = x_2_y - x_1_y;
-    const double sum_v3 = x_2_z - x_1_z;
-    const double root = sqrt(sum * sum + sum_v2 * sum_v2 + sum_v3 * sum_v3);
+    const double part = x_2_x - x_1_x;
+    const double part_2 = x_2_y - x_1_y;
+    const double part_3 = x_2_z - x_1_z;
+    const double root = sqrt(part * part + part_2 * part_2 + part_3 * part_3);
     const double stretch = root - length;
-    const double by_stretch = stiffness * stretch;
+    const double by_stretch_2 = stiffness * stretch;
     const double c1_over_root = (root == 0.0 ? 0.0 : 1.0 / root);
-    const double product = by_stretch * (sum * c1_over_root);
-    const double product_v2 = by_stretch * (sum_v2 * c1_over_root);
-    const double product_v3 = by_stretch * (sum_v3 * c1_over_root);
+    const double by_part = by_stretch_2 * (part * c1_over_root);
+    const double by_part_2 = by_stretch_2 * (part_2 * c1_over_root);
+    const double by_part_3 = by_stretch_2 * (part_3 * c1_over_root);
     values->energy = 0.5 * (stiffness * (stretch * stretch));
-    values->force = by_stretch;
-    gradient[0] = -product;
-    gradient[1] = -product_v2;
-    gradient[2] = -product_v3;
-    gradient[3] = product;
-    gradient[4] = product_v2;
-    gradient[5] = product_v3;
+    values->force = by_stretch_2;
+    gradient[0] = -by_part;
+    gradient[1] = -by_part_2;
+    gradient[2] = -by_part_3;
+    gradient[3] = by_part;
+    gradient[4] = by_part_2;
+    gradient[5] = by_part_3;
 }
 
 /* Many elements: gradient. Entry i of element k is at i * count + k of each array; entries of inputs and values are in the order of the structs. */
@@ -110,28 +110,28 @@ static inline void spring_gradient_batch(size_t count, const double *restrict in
         const double x_2_z = inputs[5 * count + k];
         const double stiffness = inputs[6 * count + k];
         const double length = inputs[7 * count + k];
-        const double sum = x_2_x - x_1_x;
-        const double sum_v2 = x_2_y - x_1_y;
-        const double sum_v3 = x_2_z - x_1_z;
-        const double root = sqrt(sum * sum + sum_v2 * sum_v2 + sum_v3 * sum_v3);
+        const double part = x_2_x - x_1_x;
+        const double part_2 = x_2_y - x_1_y;
+        const double part_3 = x_2_z - x_1_z;
+        const double root = sqrt(part * part + part_2 * part_2 + part_3 * part_3);
         const double stretch = root - length;
-        const double by_stretch = stiffness * stretch;
+        const double by_stretch_2 = stiffness * stretch;
         const double c1_over_root = (root == 0.0 ? 0.0 : 1.0 / root);
-        const double product = by_stretch * (sum * c1_over_root);
-        const double product_v2 = by_stretch * (sum_v2 * c1_over_root);
-        const double product_v3 = by_stretch * (sum_v3 * c1_over_root);
+        const double by_part = by_stretch_2 * (part * c1_over_root);
+        const double by_part_2 = by_stretch_2 * (part_2 * c1_over_root);
+        const double by_part_3 = by_stretch_2 * (part_3 * c1_over_root);
         values[0 * count + k] = 0.5 * (stiffness * (stretch * stretch));
-        values[1 * count + k] = by_stretch;
-        gradient[0 * count + k] = -product;
-        gradient[1 * count + k] = -product_v2;
-        gradient[2 * count + k] = -product_v3;
-        gradient[3 * count + k] = product;
-        gradient[4 * count + k] = product_v2;
-        gradient[5 * count + k] = product_v3;
+        values[1 * count + k] = by_stretch_2;
+        gradient[0 * count + k] = -by_part;
+        gradient[1 * count + k] = -by_part_2;
+        gradient[2 * count + k] = -by_part_3;
+        gradient[3 * count + k] = by_part;
+        gradient[4 * count + k] = by_part_2;
+        gradient[5 * count + k] = by_part_3;
     }
 }
 
-/* One element: hessian. Operations: 59. */
+/* One element: hessian. Operations: 61. */
 static inline void spring_hessian(const spring_inputs *inputs, spring_values *values, double gradient[6], double hessian[21]) {
     const double x_1_x = inputs->x[0][0];
     const double x_1_y = inputs->x[0][1];
@@ -141,58 +141,56 @@ static inline void spring_hessian(const spring_inputs *inputs, spring_values *va
     const double x_2_z = inputs->x[1][2];
     const double stiffness = inputs->stiffness;
     const double length = inputs->length;
-    const double sum = x_2_x - x_1_x;
-    const double sum_v2 = x_2_y - x_1_y;
-    const double sum_v3 = x_2_z - x_1_z;
-    const double root = sqrt(sum * sum + sum_v2 * sum_v2 + sum_v3 * sum_v3);
-    const double stretch = root - length;
-    const double by_stretch = stiffness * stretch;
-    const double c1_over_root = (root == 0.0 ? 0.0 : 1.0 / root);
-    const double product = sum * c1_over_root;
-    const double product_v2 = by_stretch * product;
-    const double product_v3 = sum_v2 * c1_over_root;
-    const double product_v4 = by_stretch * product_v3;
-    const double product_v5 = sum_v3 * c1_over_root;
-    const double product_v6 = by_stretch * product_v5;
-    const double product_v7 = stiffness * product;
-    const double product_v8 = c1_over_root * (c1_over_root * product);
-    const double sum_v4 = product * product_v7 - by_stretch * (sum * product_v8 - c1_over_root);
-    const double sum_v5 = product_v3 * product_v7 - by_stretch * (sum_v2 * product_v8);
-    const double product_v9 = stiffness * product_v3;
-    const double product_v10 = c1_over_root * (c1_over_root * product_v3);
-    const double sum_v6 = product_v3 * product_v9 - by_stretch * (sum_v2 * product_v10 - c1_over_root);
-    const double sum_v7 = product_v5 * product_v7 - by_stretch * (sum_v3 * product_v8);
-    const double sum_v8 = product_v5 * product_v9 - by_stretch * (sum_v3 * product_v10);
-    const double sum_v9 = product_v5 * (stiffness * product_v5) - by_stretch * (sum_v3 * (c1_over_root * (c1_over_root * product_v5)) - c1_over_root);
+    const double part_7 = x_2_x - x_1_x;
+    const double part_8 = x_2_y - x_1_y;
+    const double part_9 = x_2_z - x_1_z;
+    const double norm_squared_2 = part_7 * part_7 + part_8 * part_8 + part_9 * part_9;
+    const double norm_2 = sqrt(norm_squared_2);
+    const double stretch = norm_2 - length;
+    const double by_stretch_3 = stiffness * stretch;
+    const double c1_over_norm_2 = (norm_2 == 0.0 ? 0.0 : 1.0 / norm_2);
+    const double by_part_7 = by_stretch_3 * (part_7 * c1_over_norm_2);
+    const double by_part_8 = by_stretch_3 * (part_8 * c1_over_norm_2);
+    const double by_part_9 = by_stretch_3 * (part_9 * c1_over_norm_2);
+    const double choice = (0.0 < norm_2 ? (by_stretch_3 * c1_over_norm_2) : stiffness);
+    const double sum = 0.25 * (c1_over_norm_2 * (stiffness * c1_over_norm_2)) + (-0.25) * (c1_over_norm_2 * c1_over_norm_2 * choice);
+    const double part_7_sum = part_7 * sum;
+    const double by_part_4_part_4 = 4.0 * (part_7 * part_7_sum) + 2.0 * (0.5 * choice);
+    const double by_part_5_part_4 = 4.0 * (part_8 * part_7_sum);
+    const double part_8_sum = part_8 * sum;
+    const double by_part_5_part_5 = 2.0 * (0.5 * choice) + 4.0 * (part_8 * part_8_sum);
+    const double by_part_6_part_4 = 4.0 * (part_9 * part_7_sum);
+    const double by_part_6_part_5 = 4.0 * (part_9 * part_8_sum);
+    const double by_part_6_part_6 = 2.0 * (0.5 * choice) + 4.0 * (part_9 * (part_9 * sum));
     values->energy = 0.5 * (stiffness * (stretch * stretch));
-    values->force = by_stretch;
-    gradient[0] = -product_v2;
-    gradient[1] = -product_v4;
-    gradient[2] = -product_v6;
-    gradient[3] = product_v2;
-    gradient[4] = product_v4;
-    gradient[5] = product_v6;
-    hessian[0] = sum_v4;
-    hessian[1] = sum_v5;
-    hessian[2] = sum_v6;
-    hessian[3] = sum_v7;
-    hessian[4] = sum_v8;
-    hessian[5] = sum_v9;
-    hessian[6] = -sum_v4;
-    hessian[7] = -sum_v5;
-    hessian[8] = -sum_v7;
-    hessian[9] = sum_v4;
-    hessian[10] = -sum_v5;
-    hessian[11] = -sum_v6;
-    hessian[12] = -sum_v8;
-    hessian[13] = sum_v5;
-    hessian[14] = sum_v6;
-    hessian[15] = -sum_v7;
-    hessian[16] = -sum_v8;
-    hessian[17] = -sum_v9;
-    hessian[18] = sum_v7;
-    hessian[19] = sum_v8;
-    hessian[20] = sum_v9;
+    values->force = by_stretch_3;
+    gradient[0] = -by_part_7;
+    gradient[1] = -by_part_8;
+    gradient[2] = -by_part_9;
+    gradient[3] = by_part_7;
+    gradient[4] = by_part_8;
+    gradient[5] = by_part_9;
+    hessian[0] = by_part_4_part_4;
+    hessian[1] = by_part_5_part_4;
+    hessian[2] = by_part_5_part_5;
+    hessian[3] = by_part_6_part_4;
+    hessian[4] = by_part_6_part_5;
+    hessian[5] = by_part_6_part_6;
+    hessian[6] = -by_part_4_part_4;
+    hessian[7] = -by_part_5_part_4;
+    hessian[8] = -by_part_6_part_4;
+    hessian[9] = by_part_4_part_4;
+    hessian[10] = -by_part_5_part_4;
+    hessian[11] = -by_part_5_part_5;
+    hessian[12] = -by_part_6_part_5;
+    hessian[13] = by_part_5_part_4;
+    hessian[14] = by_part_5_part_5;
+    hessian[15] = -by_part_6_part_4;
+    hessian[16] = -by_part_6_part_5;
+    hessian[17] = -by_part_6_part_6;
+    hessian[18] = by_part_6_part_4;
+    hessian[19] = by_part_6_part_5;
+    hessian[20] = by_part_6_part_6;
 }
 
 /* Many elements: hessian. Entry i of element k is at i * count + k of each array; entries of inputs and values are in the order of the structs. */
@@ -207,62 +205,60 @@ static inline void spring_hessian_batch(size_t count, const double *restrict inp
         const double x_2_z = inputs[5 * count + k];
         const double stiffness = inputs[6 * count + k];
         const double length = inputs[7 * count + k];
-        const double sum = x_2_x - x_1_x;
-        const double sum_v2 = x_2_y - x_1_y;
-        const double sum_v3 = x_2_z - x_1_z;
-        const double root = sqrt(sum * sum + sum_v2 * sum_v2 + sum_v3 * sum_v3);
-        const double stretch = root - length;
-        const double by_stretch = stiffness * stretch;
-        const double c1_over_root = (root == 0.0 ? 0.0 : 1.0 / root);
-        const double product = sum * c1_over_root;
-        const double product_v2 = by_stretch * product;
-        const double product_v3 = sum_v2 * c1_over_root;
-        const double product_v4 = by_stretch * product_v3;
-        const double product_v5 = sum_v3 * c1_over_root;
-        const double product_v6 = by_stretch * product_v5;
-        const double product_v7 = stiffness * product;
-        const double product_v8 = c1_over_root * (c1_over_root * product);
-        const double sum_v4 = product * product_v7 - by_stretch * (sum * product_v8 - c1_over_root);
-        const double sum_v5 = product_v3 * product_v7 - by_stretch * (sum_v2 * product_v8);
-        const double product_v9 = stiffness * product_v3;
-        const double product_v10 = c1_over_root * (c1_over_root * product_v3);
-        const double sum_v6 = product_v3 * product_v9 - by_stretch * (sum_v2 * product_v10 - c1_over_root);
-        const double sum_v7 = product_v5 * product_v7 - by_stretch * (sum_v3 * product_v8);
-        const double sum_v8 = product_v5 * product_v9 - by_stretch * (sum_v3 * product_v10);
-        const double sum_v9 = product_v5 * (stiffness * product_v5) - by_stretch * (sum_v3 * (c1_over_root * (c1_over_root * product_v5)) - c1_over_root);
+        const double part_7 = x_2_x - x_1_x;
+        const double part_8 = x_2_y - x_1_y;
+        const double part_9 = x_2_z - x_1_z;
+        const double norm_squared_2 = part_7 * part_7 + part_8 * part_8 + part_9 * part_9;
+        const double norm_2 = sqrt(norm_squared_2);
+        const double stretch = norm_2 - length;
+        const double by_stretch_3 = stiffness * stretch;
+        const double c1_over_norm_2 = (norm_2 == 0.0 ? 0.0 : 1.0 / norm_2);
+        const double by_part_7 = by_stretch_3 * (part_7 * c1_over_norm_2);
+        const double by_part_8 = by_stretch_3 * (part_8 * c1_over_norm_2);
+        const double by_part_9 = by_stretch_3 * (part_9 * c1_over_norm_2);
+        const double choice = (0.0 < norm_2 ? (by_stretch_3 * c1_over_norm_2) : stiffness);
+        const double sum = 0.25 * (c1_over_norm_2 * (stiffness * c1_over_norm_2)) + (-0.25) * (c1_over_norm_2 * c1_over_norm_2 * choice);
+        const double part_7_sum = part_7 * sum;
+        const double by_part_4_part_4 = 4.0 * (part_7 * part_7_sum) + 2.0 * (0.5 * choice);
+        const double by_part_5_part_4 = 4.0 * (part_8 * part_7_sum);
+        const double part_8_sum = part_8 * sum;
+        const double by_part_5_part_5 = 2.0 * (0.5 * choice) + 4.0 * (part_8 * part_8_sum);
+        const double by_part_6_part_4 = 4.0 * (part_9 * part_7_sum);
+        const double by_part_6_part_5 = 4.0 * (part_9 * part_8_sum);
+        const double by_part_6_part_6 = 2.0 * (0.5 * choice) + 4.0 * (part_9 * (part_9 * sum));
         values[0 * count + k] = 0.5 * (stiffness * (stretch * stretch));
-        values[1 * count + k] = by_stretch;
-        gradient[0 * count + k] = -product_v2;
-        gradient[1 * count + k] = -product_v4;
-        gradient[2 * count + k] = -product_v6;
-        gradient[3 * count + k] = product_v2;
-        gradient[4 * count + k] = product_v4;
-        gradient[5 * count + k] = product_v6;
-        hessian[0 * count + k] = sum_v4;
-        hessian[1 * count + k] = sum_v5;
-        hessian[2 * count + k] = sum_v6;
-        hessian[3 * count + k] = sum_v7;
-        hessian[4 * count + k] = sum_v8;
-        hessian[5 * count + k] = sum_v9;
-        hessian[6 * count + k] = -sum_v4;
-        hessian[7 * count + k] = -sum_v5;
-        hessian[8 * count + k] = -sum_v7;
-        hessian[9 * count + k] = sum_v4;
-        hessian[10 * count + k] = -sum_v5;
-        hessian[11 * count + k] = -sum_v6;
-        hessian[12 * count + k] = -sum_v8;
-        hessian[13 * count + k] = sum_v5;
-        hessian[14 * count + k] = sum_v6;
-        hessian[15 * count + k] = -sum_v7;
-        hessian[16 * count + k] = -sum_v8;
-        hessian[17 * count + k] = -sum_v9;
-        hessian[18 * count + k] = sum_v7;
-        hessian[19 * count + k] = sum_v8;
-        hessian[20 * count + k] = sum_v9;
+        values[1 * count + k] = by_stretch_3;
+        gradient[0 * count + k] = -by_part_7;
+        gradient[1 * count + k] = -by_part_8;
+        gradient[2 * count + k] = -by_part_9;
+        gradient[3 * count + k] = by_part_7;
+        gradient[4 * count + k] = by_part_8;
+        gradient[5 * count + k] = by_part_9;
+        hessian[0 * count + k] = by_part_4_part_4;
+        hessian[1 * count + k] = by_part_5_part_4;
+        hessian[2 * count + k] = by_part_5_part_5;
+        hessian[3 * count + k] = by_part_6_part_4;
+        hessian[4 * count + k] = by_part_6_part_5;
+        hessian[5 * count + k] = by_part_6_part_6;
+        hessian[6 * count + k] = -by_part_4_part_4;
+        hessian[7 * count + k] = -by_part_5_part_4;
+        hessian[8 * count + k] = -by_part_6_part_4;
+        hessian[9 * count + k] = by_part_4_part_4;
+        hessian[10 * count + k] = -by_part_5_part_4;
+        hessian[11 * count + k] = -by_part_5_part_5;
+        hessian[12 * count + k] = -by_part_6_part_5;
+        hessian[13 * count + k] = by_part_5_part_4;
+        hessian[14 * count + k] = by_part_5_part_5;
+        hessian[15 * count + k] = -by_part_6_part_4;
+        hessian[16 * count + k] = -by_part_6_part_5;
+        hessian[17 * count + k] = -by_part_6_part_6;
+        hessian[18 * count + k] = by_part_6_part_4;
+        hessian[19 * count + k] = by_part_6_part_5;
+        hessian[20 * count + k] = by_part_6_part_6;
     }
 }
 
-/* One element: product. Operations: 39. */
+/* One element: product. Operations: 44. */
 static inline void spring_product(const spring_inputs *inputs, const double direction[6], double hessian_product[6]) {
     const double x_1_x = inputs->x[0][0];
     const double x_1_y = inputs->x[0][1];
@@ -278,28 +274,30 @@ static inline void spring_product(const spring_inputs *inputs, const double dire
     const double direction_4 = direction[3];
     const double direction_5 = direction[4];
     const double direction_6 = direction[5];
-    const double sum = x_2_x - x_1_x;
-    const double sum_v2 = x_2_y - x_1_y;
-    const double sum_v3 = x_2_z - x_1_z;
-    const double root = sqrt(sum * sum + sum_v2 * sum_v2 + sum_v3 * sum_v3);
-    const double c1_over_root = (root == 0.0 ? 0.0 : 1.0 / root);
-    const double sum_v4 = direction_6 - direction_3;
-    const double sum_v5 = direction_4 - direction_1;
-    const double sum_v6 = direction_5 - direction_2;
-    const double stretch_rate = c1_over_root * (sum_v3 * sum_v4 + (sum * sum_v5 + sum_v2 * sum_v6));
-    const double by_stretch_rate = stiffness * stretch_rate;
-    const double stretch = root - length;
-    const double by_stretch = stiffness * stretch;
-    const double product = c1_over_root * (c1_over_root * stretch_rate);
-    const double sum_v7 = sum * c1_over_root * by_stretch_rate + by_stretch * (c1_over_root * sum_v5 - sum * product);
-    const double sum_v8 = by_stretch_rate * (sum_v2 * c1_over_root) + by_stretch * (c1_over_root * sum_v6 - sum_v2 * product);
-    const double sum_v9 = by_stretch_rate * (sum_v3 * c1_over_root) + by_stretch * (c1_over_root * sum_v4 - sum_v3 * product);
-    hessian_product[0] = -sum_v7;
-    hessian_product[1] = -sum_v8;
-    hessian_product[2] = -sum_v9;
-    hessian_product[3] = sum_v7;
-    hessian_product[4] = sum_v8;
-    hessian_product[5] = sum_v9;
+    const double part_10 = x_2_x - x_1_x;
+    const double part_11 = x_2_y - x_1_y;
+    const double part_12 = x_2_z - x_1_z;
+    const double norm_squared_3 = part_10 * part_10 + part_11 * part_11 + part_12 * part_12;
+    const double norm_3 = sqrt(norm_squared_3);
+    const double stretch = norm_3 - length;
+    const double by_norm_3 = stiffness * stretch;
+    const double c1_over_norm_3 = (norm_3 == 0.0 ? 0.0 : 1.0 / norm_3);
+    const double by_norm_squared_3 = 0.5 * (0.0 < norm_3 ? (by_norm_3 * c1_over_norm_3) : stiffness);
+    const double part_10_rate = direction_4 - direction_1;
+    const double part_11_rate = direction_5 - direction_2;
+    const double part_12_rate = direction_6 - direction_3;
+    const double norm_squared_3_rate = 2.0 * (part_10 * part_10_rate) + 2.0 * (part_11 * part_11_rate) + 2.0 * (part_12 * part_12_rate);
+    const double norm_3_rate = 0.5 * (c1_over_norm_3 * norm_squared_3_rate);
+    const double by_norm_squared_3_rate_2 = 0.5 * (0.0 < norm_3 ? (c1_over_norm_3 * (stiffness * norm_3_rate) - by_norm_3 * (c1_over_norm_3 * (c1_over_norm_3 * norm_3_rate))) : 0.0);
+    const double by_part_10_rate_2 = 2.0 * (by_norm_squared_3 * part_10_rate + part_10 * by_norm_squared_3_rate_2);
+    const double by_part_11_rate_2 = 2.0 * (by_norm_squared_3 * part_11_rate + part_11 * by_norm_squared_3_rate_2);
+    const double by_part_12_rate_2 = 2.0 * (by_norm_squared_3 * part_12_rate + part_12 * by_norm_squared_3_rate_2);
+    hessian_product[0] = -by_part_10_rate_2;
+    hessian_product[1] = -by_part_11_rate_2;
+    hessian_product[2] = -by_part_12_rate_2;
+    hessian_product[3] = by_part_10_rate_2;
+    hessian_product[4] = by_part_11_rate_2;
+    hessian_product[5] = by_part_12_rate_2;
 }
 
 /* Many elements: product. Entry i of element k is at i * count + k of each array; entries of inputs and values are in the order of the structs. */
@@ -320,30 +318,32 @@ static inline void spring_product_batch(size_t count, const double *restrict inp
         const double direction_4 = direction[3 * count + k];
         const double direction_5 = direction[4 * count + k];
         const double direction_6 = direction[5 * count + k];
-        const double sum = x_2_x - x_1_x;
-        const double sum_v2 = x_2_y - x_1_y;
-        const double sum_v3 = x_2_z - x_1_z;
-        const double root = sqrt(sum * sum + sum_v2 * sum_v2 + sum_v3 * sum_v3);
-        const double c1_over_root = (root == 0.0 ? 0.0 : 1.0 / root);
-        const double sum_v4 = direction_6 - direction_3;
-        const double sum_v5 = direction_4 - direction_1;
-        const double sum_v6 = direction_5 - direction_2;
-        const double stretch_rate = c1_over_root * (sum_v3 * sum_v4 + (sum * sum_v5 + sum_v2 * sum_v6));
-        const double by_stretch_rate = stiffness * stretch_rate;
-        const double stretch = root - length;
-        const double by_stretch = stiffness * stretch;
-        const double product = c1_over_root * (c1_over_root * stretch_rate);
-        const double sum_v7 = sum * c1_over_root * by_stretch_rate + by_stretch * (c1_over_root * sum_v5 - sum * product);
-        const double sum_v8 = by_stretch_rate * (sum_v2 * c1_over_root) + by_stretch * (c1_over_root * sum_v6 - sum_v2 * product);
-        const double sum_v9 = by_stretch_rate * (sum_v3 * c1_over_root) + by_stretch * (c1_over_root * sum_v4 - sum_v3 * product);
-        hessian_product[0 * count + k] = -sum_v7;
-        hessian_product[1 * count + k] = -sum_v8;
-        hessian_product[2 * count + k] = -sum_v9;
-        hessian_product[3 * count + k] = sum_v7;
-        hessian_product[4 * count + k] = sum_v8;
-        hessian_product[5 * count + k] = sum_v9;
+        const double part_10 = x_2_x - x_1_x;
+        const double part_11 = x_2_y - x_1_y;
+        const double part_12 = x_2_z - x_1_z;
+        const double norm_squared_3 = part_10 * part_10 + part_11 * part_11 + part_12 * part_12;
+        const double norm_3 = sqrt(norm_squared_3);
+        const double stretch = norm_3 - length;
+        const double by_norm_3 = stiffness * stretch;
+        const double c1_over_norm_3 = (norm_3 == 0.0 ? 0.0 : 1.0 / norm_3);
+        const double by_norm_squared_3 = 0.5 * (0.0 < norm_3 ? (by_norm_3 * c1_over_norm_3) : stiffness);
+        const double part_10_rate = direction_4 - direction_1;
+        const double part_11_rate = direction_5 - direction_2;
+        const double part_12_rate = direction_6 - direction_3;
+        const double norm_squared_3_rate = 2.0 * (part_10 * part_10_rate) + 2.0 * (part_11 * part_11_rate) + 2.0 * (part_12 * part_12_rate);
+        const double norm_3_rate = 0.5 * (c1_over_norm_3 * norm_squared_3_rate);
+        const double by_norm_squared_3_rate_2 = 0.5 * (0.0 < norm_3 ? (c1_over_norm_3 * (stiffness * norm_3_rate) - by_norm_3 * (c1_over_norm_3 * (c1_over_norm_3 * norm_3_rate))) : 0.0);
+        const double by_part_10_rate_2 = 2.0 * (by_norm_squared_3 * part_10_rate + part_10 * by_norm_squared_3_rate_2);
+        const double by_part_11_rate_2 = 2.0 * (by_norm_squared_3 * part_11_rate + part_11 * by_norm_squared_3_rate_2);
+        const double by_part_12_rate_2 = 2.0 * (by_norm_squared_3 * part_12_rate + part_12 * by_norm_squared_3_rate_2);
+        hessian_product[0 * count + k] = -by_part_10_rate_2;
+        hessian_product[1 * count + k] = -by_part_11_rate_2;
+        hessian_product[2 * count + k] = -by_part_12_rate_2;
+        hessian_product[3 * count + k] = by_part_10_rate_2;
+        hessian_product[4 * count + k] = by_part_11_rate_2;
+        hessian_product[5 * count + k] = by_part_12_rate_2;
     }
 }
-#elif DIFFUSE_CONTACT_ELEMENT_SPRING != 2348784867u
+#elif DIFFUSE_CONTACT_ELEMENT_SPRING != 3928097608u
 #error "there are two elements spring, or two sets of kernels of it"
 #endif

@@ -137,25 +137,25 @@ pub mod spring {
         let [[x_1_x, x_1_y, x_1_z], [x_2_x, x_2_y, x_2_z]] = inputs.x;
         let stiffness = inputs.stiffness;
         let length = inputs.length;
-        let sum = x_2_x - x_1_x;
-        let sum_v2 = x_2_y - x_1_y;
-        let sum_v3 = x_2_z - x_1_z;
-        let root = sum_v3.mul_add(sum_v3, sum_v2.mul_add(sum_v2, sum * sum)).sqrt();
+        let part = x_2_x - x_1_x;
+        let part_2 = x_2_y - x_1_y;
+        let part_3 = x_2_z - x_1_z;
+        let root = part_3.mul_add(part_3, part_2.mul_add(part_2, part * part)).sqrt();
         let stretch = root - length;
-        let by_stretch = stiffness * stretch;
+        let by_stretch_2 = stiffness * stretch;
         let c1_over_root = E::ONE.div_or_zero(root);
-        let product = by_stretch * (sum * c1_over_root);
-        let product_v2 = by_stretch * (sum_v2 * c1_over_root);
-        let product_v3 = by_stretch * (sum_v3 * c1_over_root);
-        gradient[0] = -product;
-        gradient[1] = -product_v2;
-        gradient[2] = -product_v3;
-        gradient[3] = product;
-        gradient[4] = product_v2;
-        gradient[5] = product_v3;
+        let by_part = by_stretch_2 * (part * c1_over_root);
+        let by_part_2 = by_stretch_2 * (part_2 * c1_over_root);
+        let by_part_3 = by_stretch_2 * (part_3 * c1_over_root);
+        gradient[0] = -by_part;
+        gradient[1] = -by_part_2;
+        gradient[2] = -by_part_3;
+        gradient[3] = by_part;
+        gradient[4] = by_part_2;
+        gradient[5] = by_part_3;
         Values {
             energy: E::splat(0.5) * (stiffness * (stretch * stretch)),
-            force: by_stretch,
+            force: by_stretch_2,
         }
     }
     /// A spring between two points, linear in its stretch.
@@ -169,7 +169,7 @@ pub mod spring {
     ///
     /// Made of `stretch`.
     ///
-    /// Operations: 59.
+    /// Operations: 61.
     #[inline(always)]
     pub fn hessian<E: Lane>(
         inputs: &Inputs<E>,
@@ -179,71 +179,70 @@ pub mod spring {
         let [[x_1_x, x_1_y, x_1_z], [x_2_x, x_2_y, x_2_z]] = inputs.x;
         let stiffness = inputs.stiffness;
         let length = inputs.length;
-        let sum = x_2_x - x_1_x;
-        let sum_v2 = x_2_y - x_1_y;
-        let sum_v3 = x_2_z - x_1_z;
-        let root = sum_v3.mul_add(sum_v3, sum_v2.mul_add(sum_v2, sum * sum)).sqrt();
-        let stretch = root - length;
-        let by_stretch = stiffness * stretch;
-        let c1_over_root = E::ONE.div_or_zero(root);
-        let product = sum * c1_over_root;
-        let product_v2 = by_stretch * product;
-        let product_v3 = sum_v2 * c1_over_root;
-        let product_v4 = by_stretch * product_v3;
-        let product_v5 = sum_v3 * c1_over_root;
-        let product_v6 = by_stretch * product_v5;
-        let product_v7 = stiffness * product;
-        let product_v8 = c1_over_root * (c1_over_root * product);
-        let sum_v4 = by_stretch
-            .neg_mul_add(sum.mul_sub(product_v8, c1_over_root), product * product_v7);
-        let sum_v5 = by_stretch
-            .neg_mul_add(sum_v2 * product_v8, product_v3 * product_v7);
-        let product_v9 = stiffness * product_v3;
-        let product_v10 = c1_over_root * (c1_over_root * product_v3);
-        let sum_v6 = by_stretch
-            .neg_mul_add(
-                sum_v2.mul_sub(product_v10, c1_over_root),
-                product_v3 * product_v9,
+        let part_7 = x_2_x - x_1_x;
+        let part_8 = x_2_y - x_1_y;
+        let part_9 = x_2_z - x_1_z;
+        let norm_squared_2 = part_9
+            .mul_add(part_9, part_8.mul_add(part_8, part_7 * part_7));
+        let norm_2 = norm_squared_2.sqrt();
+        let stretch = norm_2 - length;
+        let by_stretch_3 = stiffness * stretch;
+        let c1_over_norm_2 = E::ONE.div_or_zero(norm_2);
+        let by_part_7 = by_stretch_3 * (part_7 * c1_over_norm_2);
+        let by_part_8 = by_stretch_3 * (part_8 * c1_over_norm_2);
+        let by_part_9 = by_stretch_3 * (part_9 * c1_over_norm_2);
+        let choice = E::select_less(
+            E::ZERO,
+            norm_2,
+            by_stretch_3 * c1_over_norm_2,
+            stiffness,
+        );
+        let sum = (c1_over_norm_2 * c1_over_norm_2 * choice)
+            .mul_add(
+                E::splat(-0.25),
+                E::splat(0.25) * (c1_over_norm_2 * (stiffness * c1_over_norm_2)),
             );
-        let sum_v7 = by_stretch
-            .neg_mul_add(sum_v3 * product_v8, product_v5 * product_v7);
-        let sum_v8 = by_stretch
-            .neg_mul_add(sum_v3 * product_v10, product_v5 * product_v9);
-        let sum_v9 = by_stretch
-            .neg_mul_add(
-                sum_v3.mul_sub(c1_over_root * (c1_over_root * product_v5), c1_over_root),
-                product_v5 * (stiffness * product_v5),
-            );
-        gradient[0] = -product_v2;
-        gradient[1] = -product_v4;
-        gradient[2] = -product_v6;
-        gradient[3] = product_v2;
-        gradient[4] = product_v4;
-        gradient[5] = product_v6;
-        hessian[0] = sum_v4;
-        hessian[1] = sum_v5;
-        hessian[2] = sum_v6;
-        hessian[3] = sum_v7;
-        hessian[4] = sum_v8;
-        hessian[5] = sum_v9;
-        hessian[6] = -sum_v4;
-        hessian[7] = -sum_v5;
-        hessian[8] = -sum_v7;
-        hessian[9] = sum_v4;
-        hessian[10] = -sum_v5;
-        hessian[11] = -sum_v6;
-        hessian[12] = -sum_v8;
-        hessian[13] = sum_v5;
-        hessian[14] = sum_v6;
-        hessian[15] = -sum_v7;
-        hessian[16] = -sum_v8;
-        hessian[17] = -sum_v9;
-        hessian[18] = sum_v7;
-        hessian[19] = sum_v8;
-        hessian[20] = sum_v9;
+        let part_7_sum = part_7 * sum;
+        let by_part_4_part_4 = (E::splat(0.5) * choice)
+            .mul_add(E::splat(2.0), E::splat(4.0) * (part_7 * part_7_sum));
+        let by_part_5_part_4 = E::splat(4.0) * (part_8 * part_7_sum);
+        let part_8_sum = part_8 * sum;
+        let by_part_5_part_5 = (E::splat(0.5) * choice)
+            .mul_add(E::splat(2.0), E::splat(4.0) * (part_8 * part_8_sum));
+        let by_part_6_part_4 = E::splat(4.0) * (part_9 * part_7_sum);
+        let by_part_6_part_5 = E::splat(4.0) * (part_9 * part_8_sum);
+        let by_part_6_part_6 = (E::splat(0.5) * choice)
+            .mul_add(E::splat(2.0), E::splat(4.0) * (part_9 * (part_9 * sum)));
+        gradient[0] = -by_part_7;
+        gradient[1] = -by_part_8;
+        gradient[2] = -by_part_9;
+        gradient[3] = by_part_7;
+        gradient[4] = by_part_8;
+        gradient[5] = by_part_9;
+        hessian[0] = by_part_4_part_4;
+        hessian[1] = by_part_5_part_4;
+        hessian[2] = by_part_5_part_5;
+        hessian[3] = by_part_6_part_4;
+        hessian[4] = by_part_6_part_5;
+        hessian[5] = by_part_6_part_6;
+        hessian[6] = -by_part_4_part_4;
+        hessian[7] = -by_part_5_part_4;
+        hessian[8] = -by_part_6_part_4;
+        hessian[9] = by_part_4_part_4;
+        hessian[10] = -by_part_5_part_4;
+        hessian[11] = -by_part_5_part_5;
+        hessian[12] = -by_part_6_part_5;
+        hessian[13] = by_part_5_part_4;
+        hessian[14] = by_part_5_part_5;
+        hessian[15] = -by_part_6_part_4;
+        hessian[16] = -by_part_6_part_5;
+        hessian[17] = -by_part_6_part_6;
+        hessian[18] = by_part_6_part_4;
+        hessian[19] = by_part_6_part_5;
+        hessian[20] = by_part_6_part_6;
         Values {
             energy: E::splat(0.5) * (stiffness * (stretch * stretch)),
-            force: by_stretch,
+            force: by_stretch_3,
         }
     }
     /// A spring between two points, linear in its stretch.
@@ -254,7 +253,7 @@ pub mod spring {
     ///
     /// Made of `stretch`.
     ///
-    /// Operations: 39.
+    /// Operations: 44.
     #[inline(always)]
     pub fn product<E: Lane>(
         inputs: &Inputs<E>,
@@ -266,41 +265,53 @@ pub mod spring {
         let length = inputs.length;
         let [direction_1, direction_2, direction_3, direction_4, direction_5, direction_6,
         ] = *direction;
-        let sum = x_2_x - x_1_x;
-        let sum_v2 = x_2_y - x_1_y;
-        let sum_v3 = x_2_z - x_1_z;
-        let root = sum_v3.mul_add(sum_v3, sum_v2.mul_add(sum_v2, sum * sum)).sqrt();
-        let c1_over_root = E::ONE.div_or_zero(root);
-        let sum_v4 = direction_6 - direction_3;
-        let sum_v5 = direction_4 - direction_1;
-        let sum_v6 = direction_5 - direction_2;
-        let stretch_rate = c1_over_root
-            * sum_v3.mul_add(sum_v4, sum_v2.mul_add(sum_v6, sum * sum_v5));
-        let by_stretch_rate = stiffness * stretch_rate;
-        let stretch = root - length;
-        let by_stretch = stiffness * stretch;
-        let product = c1_over_root * (c1_over_root * stretch_rate);
-        let sum_v7 = by_stretch
+        let part_10 = x_2_x - x_1_x;
+        let part_11 = x_2_y - x_1_y;
+        let part_12 = x_2_z - x_1_z;
+        let norm_squared_3 = part_12
+            .mul_add(part_12, part_11.mul_add(part_11, part_10 * part_10));
+        let norm_3 = norm_squared_3.sqrt();
+        let stretch = norm_3 - length;
+        let by_norm_3 = stiffness * stretch;
+        let c1_over_norm_3 = E::ONE.div_or_zero(norm_3);
+        let by_norm_squared_3 = E::splat(0.5)
+            * E::select_less(E::ZERO, norm_3, by_norm_3 * c1_over_norm_3, stiffness);
+        let part_10_rate = direction_4 - direction_1;
+        let part_11_rate = direction_5 - direction_2;
+        let part_12_rate = direction_6 - direction_3;
+        let norm_squared_3_rate = (part_12 * part_12_rate)
             .mul_add(
-                sum.neg_mul_add(product, c1_over_root * sum_v5),
-                sum * c1_over_root * by_stretch_rate,
+                E::splat(2.0),
+                (part_11 * part_11_rate)
+                    .mul_add(E::splat(2.0), E::splat(2.0) * (part_10 * part_10_rate)),
             );
-        let sum_v8 = by_stretch
-            .mul_add(
-                sum_v2.neg_mul_add(product, c1_over_root * sum_v6),
-                by_stretch_rate * (sum_v2 * c1_over_root),
+        let norm_3_rate = E::splat(0.5) * (c1_over_norm_3 * norm_squared_3_rate);
+        let by_norm_squared_3_rate_2 = E::splat(0.5)
+            * E::select_less(
+                E::ZERO,
+                norm_3,
+                by_norm_3
+                    .neg_mul_add(
+                        c1_over_norm_3 * (c1_over_norm_3 * norm_3_rate),
+                        c1_over_norm_3 * (stiffness * norm_3_rate),
+                    ),
+                E::ZERO,
             );
-        let sum_v9 = by_stretch
-            .mul_add(
-                sum_v3.neg_mul_add(product, c1_over_root * sum_v4),
-                by_stretch_rate * (sum_v3 * c1_over_root),
-            );
-        hessian_product[0] = -sum_v7;
-        hessian_product[1] = -sum_v8;
-        hessian_product[2] = -sum_v9;
-        hessian_product[3] = sum_v7;
-        hessian_product[4] = sum_v8;
-        hessian_product[5] = sum_v9;
+        let by_part_10_rate_2 = E::splat(2.0)
+            * part_10
+                .mul_add(by_norm_squared_3_rate_2, by_norm_squared_3 * part_10_rate);
+        let by_part_11_rate_2 = E::splat(2.0)
+            * part_11
+                .mul_add(by_norm_squared_3_rate_2, by_norm_squared_3 * part_11_rate);
+        let by_part_12_rate_2 = E::splat(2.0)
+            * part_12
+                .mul_add(by_norm_squared_3_rate_2, by_norm_squared_3 * part_12_rate);
+        hessian_product[0] = -by_part_10_rate_2;
+        hessian_product[1] = -by_part_11_rate_2;
+        hessian_product[2] = -by_part_12_rate_2;
+        hessian_product[3] = by_part_10_rate_2;
+        hessian_product[4] = by_part_11_rate_2;
+        hessian_product[5] = by_part_12_rate_2;
     }
     /// Evaluates one element.
     #[must_use]

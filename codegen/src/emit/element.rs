@@ -9,6 +9,7 @@ use super::element_kernel::{EmittedElementKernel, documentation, function_name, 
 use super::fixed::{Fixed, Head, nested};
 use super::function::solver_name;
 use super::node_element::emit_node_kernel;
+use super::tabulated::tabulated;
 use super::{element_module, node_module, product_module};
 use crate::graph::Iteration;
 use crate::lower::lower;
@@ -17,7 +18,7 @@ use crate::schedule::Program;
 
 /// Lowers, schedules and writes a kernel of an element.
 pub fn emit_element_kernel(kernel: &Kernel<ElementSpec>) -> EmittedElementKernel {
-    let program = Program::new(lower(kernel));
+    let program = Program::new(tabulated(lower(kernel)));
     let spec = &program.kernel.spec;
     let ElementSpec { signature, mode, direction, .. } = spec;
     if !signature.nodes.is_empty() {

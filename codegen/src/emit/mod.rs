@@ -17,6 +17,7 @@ mod node_loop;
 mod node_module;
 mod product_module;
 mod shape;
+mod tabulated;
 
 pub(crate) use c::constants as c_constants;
 pub use c::emit_c;

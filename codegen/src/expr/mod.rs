@@ -107,6 +107,7 @@ impl<'g> Expr<'g> {
     ///
     /// # Panics
     /// If it is no symbol.
+    #[track_caller]
     pub fn symbol(self) -> SymbolId {
         self.sheet.graph().symbol_of(self.id)
     }
@@ -115,6 +116,7 @@ impl<'g> Expr<'g> {
     ///
     /// # Panics
     /// If it is no symbol.
+    #[track_caller]
     pub fn symbol_name(self) -> String {
         let symbol = self.symbol();
         self.sheet.graph().symbol_data(symbol).name.clone()
@@ -124,6 +126,7 @@ impl<'g> Expr<'g> {
     ///
     /// # Panics
     /// If it is no symbol.
+    #[track_caller]
     pub fn definition(self) -> Option<Self> {
         let symbol = self.symbol();
         let definition = self.sheet.graph().symbol_data(symbol).definition;
@@ -174,6 +177,7 @@ impl<'g> Expr<'g> {
     /// If `symbol` is no symbol: neither a variable nor a parameter nor of [`define`](crate::ElementModel::define), which leaves numbers and
     /// quantities of nodes what they are.
     #[must_use]
+    #[track_caller]
     pub fn by(self, symbol: Self) -> Self {
         let symbol = symbol.symbol();
         self.map(|g, x| g.derivative_of_formula(x, symbol))
@@ -185,9 +189,20 @@ impl<'g> Expr<'g> {
     /// # Panics
     /// If what is to be replaced is no symbol, or the unknowns of equations change with it: these are solved with the old values.
     #[must_use]
+    #[track_caller]
     pub fn at(self, values: &[(Self, Self)]) -> Self {
         let values = values_on(self.sheet, values);
         self.map(|g, x| g.substitute_in_formulas(&[x], &values)[0])
+    }
+
+    /// The expression with symbols in the place of norms, see [`norms`](crate::graph).
+    pub(crate) fn with_norm_symbols(self) -> Self {
+        self.map(Graph::with_norm_symbols)
+    }
+
+    /// Whether it is the symbol of a norm, √q of a symbol q.
+    pub(crate) fn is_norm_symbol(self) -> bool {
+        self.sheet.graph().is_norm_symbol(self.id)
     }
 
     /// Makes mixed second derivatives by these symbols one expression, whichever symbol comes first.
@@ -331,11 +346,13 @@ impl<'g> Less<'g> {
 ///
 /// # Panics
 /// If the vectors are empty or have different lengths.
+#[track_caller]
 pub fn dot<'g>(
     x: impl IntoIterator<Item = impl Borrow<Expr<'g>>>,
     y: impl IntoIterator<Item = impl Borrow<Expr<'g>>>,
 ) -> Expr<'g> {
     let ((sheet, x), (_, y)) = (on_sheet(x), on_sheet(y));
+    assert_eq!(x.len(), y.len(), "a dot product needs vectors of equal length");
     sheet.make(|g| g.dot(&x, &y))
 }
 
@@ -343,18 +360,21 @@ pub fn dot<'g>(
 ///
 /// # Panics
 /// If there are none.
+#[track_caller]
 pub fn total<'g>(terms: impl IntoIterator<Item = impl Borrow<Expr<'g>>>) -> Expr<'g> {
     let (sheet, terms) = on_sheet(terms);
     sheet.make(|g| g.total(&terms))
 }
 
 /// Several expressions where symbols have other values, see [`Expr::at`].
+#[track_caller]
 pub fn all_at<'g>(exprs: &[Expr<'g>], values: &[(Expr<'g>, Expr<'g>)]) -> Vec<Expr<'g>> {
     let (sheet, exprs) = on_sheet(exprs);
     let values = values_on(sheet, values);
     sheet.exprs(sheet.edit(|g| g.substitute_in_formulas(&exprs, &values)))
 }
 
+#[track_caller]
 fn values_on<'g>(sheet: &'g Sheet, values: &[(Expr<'g>, Expr<'g>)]) -> Vec<(SymbolId, ExprId)> {
     values.iter().map(|(symbol, value)| (symbol.on(sheet).symbol(), value.on(sheet).id)).collect()
 }
@@ -371,6 +391,7 @@ pub fn ids(exprs: &[Expr<'_>]) -> Vec<ExprId> {
 }
 
 /// The sheet of terms, and their ids.
+#[track_caller]
 fn on_sheet<'g>(exprs: impl IntoIterator<Item = impl Borrow<Expr<'g>>>) -> (&'g Sheet, Vec<ExprId>) {
     let exprs: Vec<Expr<'g>> = exprs.into_iter().map(|x| *x.borrow()).collect();
     let sheet = exprs.first().expect("at least one term").sheet;

@@ -56,11 +56,13 @@ impl<'g, const N: usize> Vector<'g, N> {
     }
 
     /// x · y
+    #[track_caller]
     pub fn dot(self, other: Self) -> Expr<'g> {
         dot(self.0, other.0)
     }
 
     /// √(x · x), with derivatives that are finite at the origin wherever the function's are.
+    #[track_caller]
     pub fn norm(self) -> Expr<'g> {
         match self.0.as_slice() {
             [] => panic!("a vector without entries has no norm"),

@@ -12,6 +12,7 @@
 mod choice;
 mod cost;
 mod derivative;
+mod norms;
 mod polynomial;
 mod products;
 mod roots;
@@ -246,6 +247,9 @@ pub struct Graph {
     symbol_names: FxHashMap<String, SymbolId>,
     /// Bound symbols that formulas are differentiated through while they are written.
     quantities: FxHashSet<SymbolId>,
+    /// Symbols that stand for norms, by these, and by themselves with those made of them.
+    norm_symbols: FxHashMap<ExprId, ExprId>,
+    norms: FxHashSet<SymbolId>,
     /// Whether inputs that others are divided by may be zero.
     has_free_divisors: bool,
     derivatives: Table<(ExprId, SymbolId), ExprId>,

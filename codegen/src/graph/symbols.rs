@@ -183,6 +183,7 @@ impl Graph {
     ///
     /// # Panics
     /// If the expression is not a symbol.
+    #[track_caller]
     pub fn symbol_of(&self, expr: ExprId) -> SymbolId {
         match self.op(expr) {
             Op::Symbol(symbol) => symbol,

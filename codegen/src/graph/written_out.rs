@@ -1,7 +1,7 @@
 //! Formulas in the place of quantities through which the chain rule loses derivatives that the formulas have:
 //!
 //! * a choice that leaves a quantity out leaves out its derivatives; by the chain rule an infinite one of them is multiplied by 0;
-//! * the square of a norm is smooth where the norm is zero; of a symbol for the norm it is not.
+//! * a function may be smooth where a norm is zero, such as its square; of a symbol that is made of the norm it is not.
 
 use std::collections::BTreeSet;
 
@@ -11,8 +11,13 @@ use super::{ExprId, Function, Graph, Op, SymbolId};
 
 impl Graph {
     /// Expressions with formulas in the place of such quantities, for all of them together. Formulas keep the names. Unknowns of equations
-    /// stay symbols, and so does `kept`.
-    pub(crate) fn written_out(&mut self, exprs: &[ExprId], kept: Option<SymbolId>) -> Vec<ExprId> {
+    /// stay symbols, and so does `kept`. `with_second`: whether second derivatives will be taken, so that norms matter.
+    pub(crate) fn written_out(
+        &mut self,
+        exprs: &[ExprId],
+        kept: Option<SymbolId>,
+        with_second: bool,
+    ) -> Vec<ExprId> {
         if !self.has_quantities() {
             return exprs.to_vec();
         }
@@ -29,8 +34,9 @@ impl Graph {
             let symbol = self.symbol_of(quantity);
             let Some(before) = self.symbol_data(symbol).definition else { continue };
             let definition = self.substitute(before, &replacements);
-            let is_lost =
-                self.has_norm(definition) || left_out.contains(&quantity) && !self.is_smooth(definition);
+            let is_lost = with_second && self.is_made_of_a_norm(definition)
+                || self.has_norm(definition)
+                || left_out.contains(&quantity) && !self.is_smooth(definition);
             if definition == before && !is_lost {
                 continue;
             }
@@ -76,6 +82,10 @@ impl Graph {
             Op::Div(..) | Op::Sqrt(_) | Op::RealPower(..) | Op::Atan2(..) => false,
             _ => true,
         })
+    }
+
+    fn is_made_of_a_norm(&self, expr: ExprId) -> bool {
+        self.reachable(expr, Self::operands).into_iter().any(|x| matches!(self.op(x), Op::Hypot(..)))
     }
 
     /// Whether it is made of operations alone, and of no unknowns of equations.

@@ -205,8 +205,8 @@ impl<'g> ElementModel<'g> {
     }
 
     /// Expressions with formulas in the place of quantities through which they would lose derivatives.
-    pub(super) fn written_out(&self, exprs: Vec<Expr<'g>>) -> Vec<Expr<'g>> {
-        self.sheet.exprs(self.sheet.edit(|g| g.written_out(&ids(&exprs), None)))
+    pub(super) fn written_out(&self, exprs: Vec<Expr<'g>>, with_second: bool) -> Vec<Expr<'g>> {
+        self.sheet.exprs(self.sheet.edit(|g| g.written_out(&ids(&exprs), None, with_second)))
     }
 
     fn symbol_of_sum(&self, sum: Expr<'g>) -> ExprId {
@@ -309,7 +309,7 @@ impl<'g> ElementModel<'g> {
         let entries = quantity.entries().into_iter().map(|x| self.with_bound_sums(x, &[])).collect();
         let entries = match differentiated {
             Differentiated::Not => entries,
-            _ => self.written_out(entries),
+            differentiated => self.written_out(entries, differentiated == Differentiated::Twice),
         };
         outputs.push((Returned { name, doc, dimensions, differentiated }, entries));
     }

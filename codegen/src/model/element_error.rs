@@ -50,6 +50,11 @@ pub enum ElementError {
     /// An output, or an entry of it, contains a symbol that is no declared input.
     #[error("`{output}` contains `{symbol}`, which was not declared by `variable` or `parameter`")]
     Undeclared { output: String, symbol: String },
+    /// A sum over nodes in an element that has none.
+    #[error(
+        "`{output}` is summed over nodes, and the element has none: `node_variable` and `node_parameter` declare what they have"
+    )]
+    NoNodes { output: String },
     /// Derivatives of how an iteration or a factorisation went.
     #[error(
         "`{output}` is differentiated and contains a residual, a number of iterations or a pivot ratio, which have no derivatives; state these by `value`"

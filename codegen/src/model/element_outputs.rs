@@ -7,8 +7,8 @@ use super::signature::{Differentiated, DirectionSymbols, Input, Returned, Role, 
 use crate::expr::{Expr, Sheet, ids};
 use crate::graph::{ExprId, Graph, NODE_COUNT, NODE_INDEX, Op, RootId, Scope};
 use crate::structure::{
-    Derivatives, Direction, Implicit, NoSum, NodeDerivatives, NodeVectors, hessian_product, node_derivatives,
-    total_derivatives,
+    Asked, Derivatives, Direction, Implicit, NoSum, NodeDerivatives, NodeVectors, hessian_product,
+    node_derivatives, total_derivatives,
 };
 
 /// What identifies a kernel of an element.
@@ -165,7 +165,7 @@ impl<'g> Outputs<'g> {
                     results.values.push(value(&name, true, &product));
                 }
                 (Differentiated::Twice, Some(_)) => {
-                    let of = self.by_nodes(returned, outputs[0], variables, false)?;
+                    let of = self.by_nodes(returned, outputs[0], variables, Asked::Differentiated)?;
                     let mut direction = Direction::new(self.sheet, rates());
                     let mut rate = |x: &Expr<'g>| direction.derivative(*x);
                     let of_element: Vec<Expr<'g>> = of.element.iter().map(&mut rate).collect();
@@ -199,11 +199,11 @@ impl<'g> Outputs<'g> {
         returned: &Returned,
         x: Expr<'g>,
         variables: &Variables<'g>,
-        with_second: bool,
+        asked: Asked,
     ) -> Result<NodeDerivatives<'g>, ElementError> {
         let of_node = variables.of_node.as_deref().unwrap_or_default();
         let by = (&variables.symbols[..], of_node);
-        let derivatives = node_derivatives(x, by, &self.implicit, with_second);
+        let derivatives = node_derivatives(x, by, &self.implicit, asked);
         derivatives.map_err(|NoSum { symbol }| ElementError::NoSum {
             quantity: symbol.unwrap_or_else(|| returned.name.clone()),
         })
@@ -224,8 +224,8 @@ impl<'g> Outputs<'g> {
             match &variables.of_node {
                 None => results.add_fixed(returned, entries, variables, with_hessian)?,
                 Some(_) => {
-                    let derivatives =
-                        entries.iter().map(|&x| self.by_nodes(returned, x, variables, with_hessian));
+                    let asked = if with_hessian { Asked::Second } else { Asked::First };
+                    let derivatives = entries.iter().map(|&x| self.by_nodes(returned, x, variables, asked));
                     results.add_with_nodes(
                         returned,
                         &derivatives.collect::<Result<Vec<_>, _>>()?,
@@ -369,6 +369,9 @@ fn check_output(output: &str, x: Expr<'_>, declared: &[&str]) -> Result<(), Elem
         let symbol = graph.symbol_data(symbol);
         if symbol.definition.is_none() && !declared.contains(&symbol.name.as_str()) {
             let (output, symbol) = (output.to_owned(), symbol.name.clone());
+            if symbol == NODE_COUNT {
+                return Err(ElementError::NoNodes { output });
+            }
             return Err(ElementError::Undeclared { output, symbol });
         }
     }

@@ -100,6 +100,7 @@ impl<'g> ElementModel<'g> {
         limits: Limits,
         equations: impl FnOnce(Vector<'g, N>) -> Vector<'g, N>,
     ) -> Root<'g, N> {
+        self.check_limits(name, limits);
         // The iteration starts at zero: it finds the way from the start.
         let way = self.root_by(Iteration::Within(limits), &format!("{name}_way"), |way| {
             equations(Vector::from_fn(|k| start[k] + way[k]))
@@ -118,6 +119,7 @@ impl<'g> ElementModel<'g> {
         limits: Limits,
         function: impl FnOnce(Vector<'g, N>) -> Expr<'g>,
     ) -> Root<'g, N> {
+        self.check_limits(name, limits);
         let way = self.root_by(Iteration::Within(limits), &format!("{name}_way"), |way| {
             let function = function(Vector::from_fn(|k| start[k] + way[k]));
             self.check_sought(&[function], &way.0);
@@ -220,7 +222,7 @@ impl<'g> ElementModel<'g> {
         let function = function(unknowns);
         self.check_sought(&[function], &unknowns.0);
         let function = if function.scope() == Scope::Node { function.sum() } else { function };
-        let function = self.written_out(vec![self.with_bound_sums(function, &unknowns.0)])[0];
+        let function = self.written_out(vec![self.with_bound_sums(function, &unknowns.0)], false)[0];
         // What a sum is multiplied by with it may be free of unknowns now.
         let equations = unknowns.map(|u| self.with_bound_sums(function.by(u), &unknowns.0));
         let lower: Vec<Vec<Expr<'g>>> =
@@ -255,7 +257,7 @@ impl<'g> ElementModel<'g> {
     }
 
     fn vector_written_out<const N: usize>(&self, vector: Vector<'g, N>) -> Vector<'g, N> {
-        let entries = self.written_out(vector.to_vec());
+        let entries = self.written_out(vector.to_vec(), false);
         Vector::from_fn(|k| entries[k])
     }
 

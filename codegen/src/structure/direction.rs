@@ -35,7 +35,14 @@ impl<'g> Direction<'g> {
     /// The derivative of an expression along the direction, through all that is bound in it.
     pub fn derivative(&mut self, x: Expr<'g>) -> Expr<'g> {
         for (symbol, definition) in self.bound_in(x) {
-            let rate = self.sheet.expr(definition).by(self.rate);
+            let operation = self.sheet.graph().op(definition);
+            let rate = match operation {
+                // Of a norm it is 0 where the norm is.
+                Op::Sqrt(square) if self.sheet.expr(symbol).is_norm_symbol() => {
+                    (0.5 * self.sheet.expr(square).by(self.rate)).div_or_zero(self.sheet.expr(symbol))
+                }
+                _ => self.sheet.expr(definition).by(self.rate),
+            };
             let rate = match rate.value() {
                 Some(_) => rate,
                 // One quantity, which products with it do not take apart.

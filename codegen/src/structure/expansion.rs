@@ -66,7 +66,13 @@ impl<'g> Expansion<'g> {
             .iter()
             .map(|v| {
                 let mut row = Row::new();
-                below.iter().enumerate().for_each(|(j, &z)| insert(&mut row, j, v.definition.by(z)));
+                match square_of_norm(v, below) {
+                    // √q
+                    Some(place) => insert(&mut row, place, 0.5 * v.symbol.reciprocal_or_zero()),
+                    None => {
+                        below.iter().enumerate().for_each(|(j, &z)| insert(&mut row, j, v.definition.by(z)));
+                    }
+                }
                 row
             })
             .collect();
@@ -89,6 +95,15 @@ impl<'g> Expansion<'g> {
                 self.add_second(equations, &places, level, first, below);
             }
         }
+        let mut norms = Vec::new();
+        for (k, v) in level.iter().enumerate() {
+            let Some(place) = square_of_norm(v, below).filter(|_| !adjoints[k].is_zero()) else { continue };
+            let limit = self.second_by(first + k).filter(|_| with_second);
+            let ratio = ratio_to_norm(adjoints[k], v.symbol, limit);
+            gradient.entry(place).or_default().push((ratio, sheet.number(0.5)));
+            norms.push((place, ratio, c[k][&place]));
+            adjoints[k] = sheet.zero();
+        }
         for (row, &by) in c.iter().zip(&adjoints).filter(|(_, by)| !by.is_zero()) {
             for (&j, &x) in row {
                 gradient.entry(j).or_default().push((by, x));
@@ -103,7 +118,7 @@ impl<'g> Expansion<'g> {
         if is_form {
             forms.extend(self.form(&c, level, first));
         }
-        let second = self.second_below(&c, &adjoints, first, below, is_form);
+        let second = self.second_below(&c, (&adjoints, &norms), first, below, is_form);
         Self { gradient, second, forms }
     }
 
@@ -193,11 +208,12 @@ impl<'g> Expansion<'g> {
         }
     }
 
-    /// K_zz + Cᵀ K_vv C + Cᵀ K_vz + K_zv C + Σ a_v ∂²f_v/∂z², the second term unless it is a form.
+    /// K_zz + Cᵀ K_vv C + Cᵀ K_vz + K_zv C + Σ a_v ∂²f_v/∂z², the second term unless it is a form. `norms`: for each the place of its
+    /// square, a/n and C.
     fn second_below(
         &self,
         c: &[Row<'g>],
-        adjoints: &[Expr<'g>],
+        (adjoints, norms): (&[Expr<'g>], &[(usize, Expr<'g>, Expr<'g>)]),
         first: usize,
         below: &[Expr<'g>],
         is_form: bool,
@@ -231,6 +247,9 @@ impl<'g> Expansion<'g> {
         for (&(i, j), &x) in self.second.iter().filter(|((i, _), _)| *i < first) {
             add(i, j, x, one);
         }
+        for &(place, ratio, slope) in norms {
+            add(place, place, -ratio, slope * slope);
+        }
         for (k, row) in c.iter().enumerate() {
             for (&i, &x) in row {
                 products[k].iter().for_each(|(&j, &y)| add(i, j, x, y));
@@ -244,6 +263,17 @@ impl<'g> Expansion<'g> {
             }
         }
         summed(terms)
+    }
+
+    /// The second derivative by the symbol at a place.
+    fn second_by(&self, place: usize) -> Option<Expr<'g>> {
+        let of_forms = self.forms.iter().flat_map(|form| {
+            let scaled = form.scaled_rows();
+            let at = |(row, scaled): (&Row<'g>, Row<'g>)| Some((*row.get(&place)?, *scaled.get(&place)?));
+            form.rows.iter().zip(scaled).filter_map(at).collect::<Vec<_>>()
+        });
+        let of_forms = of_forms.map(|(x, y)| x * y);
+        self.second.get(&(place, place)).copied().into_iter().chain(of_forms).reduce(|sum, x| sum + x)
     }
 
     /// K_vv and C as a form of their own.
@@ -285,6 +315,27 @@ impl<'g> Expansion<'g> {
         let hessian = places.map(|place| second.get(&place).copied().unwrap_or(zero)).collect();
         Derivatives { gradient, hessian }
     }
+}
+
+/// The place of the square that a norm is the root of, if it is one.
+pub(super) fn square_of_norm(v: &Intermediate<'_>, below: &[Expr<'_>]) -> Option<usize> {
+    match v.definition.operation() {
+        Op::Sqrt(square) if v.symbol.is_norm_symbol() => below.iter().position(|z| z.id() == square),
+        _ => None,
+    }
+}
+
+/// a/n for the derivative a by a norm n. Where the norm is zero it is the limit, ∂a/∂n, held; without one 0.
+pub(super) fn ratio_to_norm<'g>(adjoint: Expr<'g>, norm: Expr<'g>, limit: Option<Expr<'g>>) -> Expr<'g> {
+    let sheet = norm.sheet();
+    let or_zero = adjoint.div_or_zero(norm);
+    limit.map_or(or_zero, |limit| {
+        let limit = match limit.value() {
+            Some(_) => limit,
+            None => sheet.make(|g| g.bind_held("limit", limit.id())),
+        };
+        sheet.zero().less(norm).select(or_zero, limit)
+    })
 }
 
 impl<'g> Form<'g> {

@@ -45,8 +45,7 @@ pub fn with_found<'g>(sheet: &'g Sheet, outputs: &[Expr<'g>], variables: &[Expr<
         if rewritten == definition {
             finder.add(symbol, definition);
         } else {
-            let name = symbol.symbol_name();
-            let other = sheet.make(|g| g.bind_unique(&name, rewritten.id()));
+            let other = sheet.make(|g| g.bind_again(symbol.id(), rewritten.id()));
             finder.replacements.push((symbol.id(), other.id()));
             finder.add(other, rewritten);
         }

@@ -45,7 +45,8 @@ pub fn total_derivatives<'g>(
     nodes: &[NodeVectors],
     with_hessian: bool,
 ) -> Derivatives<'g> {
-    let writings = writings(sheet, function, variables, nodes);
+    let with_norms = if with_hessian { function.with_norm_symbols() } else { function };
+    let writings = writings(sheet, with_norms, variables, nodes);
     let cheapest = writings.iter().flat_map(|writing| {
         let ways = writing.ways(with_hessian);
         ways.into_iter()
@@ -57,7 +58,12 @@ pub fn total_derivatives<'g>(
             derivatives.gradient.iter().chain(&derivatives.hessian).map(|x| x.id()).collect();
         sheet.graph().operations(&roots)
     });
-    cheapest.expect("there is a first way")
+    let mut cheapest = cheapest.expect("there is a first way");
+    if with_norms != function {
+        // As without the Hessian, which may be infinite where the gradient is zero.
+        cheapest.gradient = total_derivatives(sheet, function, variables, nodes, false).gradient;
+    }
+    cheapest
 }
 
 /// The product of the Hessian with a direction, without the Hessian.
@@ -73,16 +79,20 @@ pub fn hessian_product<'g>(
     nodes: &[NodeVectors],
 ) -> Vec<Expr<'g>> {
     let rates = || variables.iter().copied().zip(direction.iter().copied());
-    let writings = writings(sheet, function, variables, nodes);
+    let with_norms = function.with_norm_symbols();
+    let has_norms = with_norms != function;
+    let writings = writings(sheet, with_norms, variables, nodes);
     let forward_over_reverse = writings.iter().map(|writing| {
-        let gradient = writing.gradient(variables, Way::default());
+        // What is zero with a norm has a second derivative as its rate.
+        let (chain, function) = (writing.chain(variables), writing.written.outputs[0]);
+        let gradient = chain.derivatives(function, has_norms, Way::default()).gradient;
         let mut along = Direction::new(sheet, rates());
         let rates = gradient.into_iter().map(|x| along.derivative(x)).collect();
         // The sum of the gradient's rows vanishes whatever the positions are, so that of their rates does.
         writing.complete(sheet, rates, Vec::new(), variables.len()).gradient
     });
     let mut products: Vec<Vec<Expr<'g>>> = forward_over_reverse.collect();
-    if writings[0].written.chain.known_values().is_empty() {
+    if writings[0].written.chain.known_values().is_empty() && !has_norms {
         let rate = Direction::new(sheet, rates()).derivative(function);
         products.push(total_derivatives(sheet, rate, variables, nodes, false).gradient);
     }
@@ -215,11 +225,6 @@ impl<'g> Writing<'g> {
     fn ways(&self, with_hessian: bool) -> Vec<Way> {
         let ways = self.written.chain.ways();
         if with_hessian { ways } else { vec![Way::default()] }
-    }
-
-    /// The gradient by the free variables.
-    fn gradient(&self, variables: &[Expr<'g>], way: Way) -> Vec<Expr<'g>> {
-        self.chain(variables).derivatives(self.written.outputs[0], false, way).gradient
     }
 
     fn chain(&self, variables: &[Expr<'g>]) -> Chain<'g> {

@@ -25,6 +25,8 @@ use std::collections::btree_map::Entry;
 
 use rustc_hash::{FxHashMap, FxHashSet};
 
+use super::definition::Intermediate;
+use super::expansion::{ratio_to_norm, square_of_norm};
 use crate::expr::{Expr, Sheet, System, dot};
 use crate::graph::{ExprId, Graph, Op};
 
@@ -72,6 +74,17 @@ pub struct NodeSecond<'g> {
     pub rows: Vec<[Vec<Expr<'g>>; 2]>,
 }
 
+/// Derivatives that are asked for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Asked {
+    /// First ones.
+    First,
+    /// First ones, of which derivatives are taken.
+    Differentiated,
+    /// First and second ones.
+    Second,
+}
+
 /// A function depends on the nodes in another way than through sums.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct NoSum {
@@ -113,6 +126,22 @@ struct Variables<'a, 'g> {
 
 /// Derivatives of a function of element scope by variables of the element and of a node.
 pub fn node_derivatives<'g>(
+    function: Expr<'g>,
+    (element, node): (&[Expr<'g>], &[Expr<'g>]),
+    implicit: &[Implicit<'g>],
+    asked: Asked,
+) -> Result<NodeDerivatives<'g>, NoSum> {
+    let with_norms = if asked == Asked::First { function } else { function.with_norm_symbols() };
+    let found = derivatives_of(with_norms, (element, node), implicit, asked != Asked::First)?;
+    if asked != Asked::Second || with_norms == function {
+        return Ok(found);
+    }
+    // As without second derivatives, which may be infinite where the first ones are zero.
+    let NodeDerivatives { element, node, .. } = derivatives_of(function, (element, node), implicit, false)?;
+    Ok(NodeDerivatives { element, node, ..found })
+}
+
+fn derivatives_of<'g>(
     function: Expr<'g>,
     (element, node): (&[Expr<'g>], &[Expr<'g>]),
     implicit: &[Implicit<'g>],
@@ -195,6 +224,16 @@ impl<'g> Group<'g> {
         match self {
             Self::Explicit { symbol, .. } => vec![*symbol],
             Self::Implicit(implicit) => implicit.unknowns.clone(),
+        }
+    }
+
+    /// The place of the square, if it is a norm.
+    fn square_of_norm(&self, symbols: &[Expr<'g>]) -> Option<usize> {
+        match self {
+            Self::Explicit { symbol, definition } => {
+                square_of_norm(&Intermediate { symbol: *symbol, definition: *definition }, symbols)
+            }
+            Self::Implicit(_) => None,
         }
     }
 
@@ -356,6 +395,10 @@ impl<'g> Expansion<'g> {
         let zero = variables.sheet.zero();
         let adjoint: Vec<Expr<'g>> =
             (0..members.len()).map(|k| self.gradient.remove(&(first + k)).unwrap_or(zero)).collect();
+        if let Some(square) = group.square_of_norm(symbols) {
+            self.eliminate_norm((members[0], first), adjoint[0], square, variables);
+            return Ok(());
+        }
         let weighted = group.weighted(&adjoint);
         let all: Vec<(usize, Expr<'g>)> =
             symbols[..first + members.len()].iter().copied().enumerate().collect();
@@ -384,6 +427,28 @@ impl<'g> Expansion<'g> {
             .collect();
         self.put_in(&Substitution { first, slopes, b, members }, variables);
         Ok(())
+    }
+
+    /// Puts a norm n = √q in terms of its square.
+    fn eliminate_norm(
+        &mut self,
+        (norm, first): (Expr<'g>, usize),
+        adjoint: Expr<'g>,
+        place: usize,
+        variables: &Variables<'_, 'g>,
+    ) {
+        let zero = variables.sheet.zero();
+        let own = variables.with_second.then(|| self.second.get(&(first, first)).copied().unwrap_or(zero));
+        let ratio = ratio_to_norm(adjoint, norm, own);
+        add(&mut self.gradient, place, 0.5 * ratio);
+        if !variables.with_second {
+            return;
+        }
+        let slope = 0.5 * norm.reciprocal_or_zero();
+        add(&mut self.second, (place, place), -(ratio * (slope * slope)));
+        let b = vec![vec![zero; variables.node.len()]];
+        let slopes = BTreeMap::from([(place, vec![slope])]);
+        self.put_in(&Substitution { first, slopes, b, members: vec![norm] }, variables);
     }
 
     /// du = G dy + b·dx

@@ -16,6 +16,7 @@ use std::fmt::Write as _;
 use super::derivatives::{DIRECTION, arguments, arguments_of};
 use super::element_kernel::{function_name, title};
 use super::fixed::{Argument, split};
+use super::tabulated::tabulated;
 use crate::graph::Iteration;
 use crate::lower::lower;
 use crate::model::{ElementKernels, ElementSpec, Input, Kernel, Mode, Points, Returned};
@@ -178,7 +179,7 @@ fn types(element: &ElementKernels) -> String {
 
 /// Both functions of a kernel.
 fn kernel_text(kernel: &Kernel<ElementSpec>) -> String {
-    let program = Program::new(lower(kernel));
+    let program = Program::new(tabulated(lower(kernel)));
     let spec = &program.kernel.spec;
     let (signature, vector) = (&spec.signature, spec.direction.as_ref());
     let (name, mode_name) = (&signature.name, function_name(spec));

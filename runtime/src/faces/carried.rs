@@ -7,6 +7,7 @@ use diffuse_contact_kernels::{
 
 use super::quadratic::MOST_NODES;
 use crate::surface::Shape;
+use crate::vector::Vector3;
 use crate::{Mode, Point};
 
 /// A force through a point, and what each node of the facet carries of it: its shape function where the line of the force meets the
@@ -27,6 +28,25 @@ impl Carried {
     /// The derivatives of an entry of `forces`.
     pub fn row(&self, entry: usize) -> &[f64] {
         &self.derivatives[entry * self.variables..][..self.variables]
+    }
+
+    /// Of a quadrilateral whose corners begin at the opposite one.
+    fn turned(self) -> Self {
+        let Self { natural, mut forces, derivatives, variables } = self;
+        let opposite = |corner: usize| (corner + 2) % 4;
+        let all = forces;
+        (0..4).for_each(|corner| forces[1 + corner] = all[1 + opposite(corner)]);
+        let mut turned = derivatives.clone();
+        for (k, row) in turned.chunks_exact_mut(variables).enumerate() {
+            let (entry, axis) = (k / 3, k % 3);
+            let entry = if entry == 0 { 0 } else { 1 + opposite(entry - 1) };
+            let of_entry = &derivatives[(3 * entry + axis) * variables..][..variables];
+            for (place, by) in row.iter_mut().enumerate() {
+                let of = if place < 6 { place } else { 6 + 3 * opposite(place / 3 - 2) + place % 3 };
+                *by = of_entry[of];
+            }
+        }
+        Self { natural: natural.map(|x| -x), forces, derivatives: turned, variables }
     }
 
     /// Itself if the line meets a place of the facet.
@@ -63,14 +83,23 @@ macro_rules! run {
 
 /// `None` if the line of the force meets no place of the facet.
 pub fn carried(shape: &Shape, point: Point, force: Point, mode: Mode) -> Option<Carried> {
-    match shape {
+    // Nothing depends on the place, but for rounding.
+    let first = shape.corners()[0];
+    let about = |x: Vector3| Point::from(x - first);
+    let point = about(point.into());
+    match *shape {
         Shape::Triangle(corners) => {
-            let inputs = carried_by_triangle::Inputs { point, force, corners: corners.map(Point::from) };
+            let inputs = carried_by_triangle::Inputs { point, force, corners: corners.map(about) };
             run!(carried_by_triangle, mode, inputs, FARTHEST, |_values| [0.0; 2])
         }
-        Shape::Quadrilateral(corners) => {
-            let inputs = carried_by_quadrilateral::Inputs { point, force, corners: corners.map(Point::from) };
-            run!(carried_by_quadrilateral, mode, inputs, FARTHEST, |values| values.beside)
+        Shape::Quadrilateral([a, b, c, d]) => {
+            // The way to the place begins at the first corner. From a reflex one it leads elsewhere.
+            let along = Vector3::from(force);
+            let is_reflex = (b - a).cross(&(d - a)).dot(&along) * (c - a).cross(&(d - b)).dot(&along) < 0.0;
+            let corners = if is_reflex { [c, d, a, b] } else { [a, b, c, d] }.map(about);
+            let inputs = carried_by_quadrilateral::Inputs { point, force, corners };
+            let carried = run!(carried_by_quadrilateral, mode, inputs, FARTHEST, |values| values.beside);
+            if is_reflex { carried.map(Carried::turned) } else { carried }
         }
     }
 }
@@ -83,9 +112,11 @@ pub fn carried_by_quadratic(
     force: Point,
     mode: Mode,
 ) -> Option<Carried> {
+    let about = |x: Point| [0, 1, 2].map(|axis| x[axis] - nodes[0][axis]);
+    let point = about(point);
     macro_rules! by {
         ($kernel:ident) => {{
-            let corners = std::array::from_fn(|k| nodes[k]);
+            let corners = std::array::from_fn(|k| about(nodes[k]));
             let inputs = $kernel::Inputs { point, force, corners, start_xi, start_eta };
             run!($kernel, mode, inputs, FARTHEST_ON_CURVED, |values| values.beside)
         }};
@@ -114,7 +145,6 @@ const FARTHEST_ON_CURVED: f64 = 1.5;
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::vector::Vector3;
 
     fn shapes() -> [Shape; 2] {
         let [a, b, c, d] =
@@ -171,6 +201,56 @@ mod tests {
                     assert!((exact.row(row)[variable] - expected).abs() < 1e-8, "{row} {variable}");
                 }
             }
+        }
+    }
+
+    /// Coordinates of geodesy, in metres: rounding is that of the positions.
+    #[test]
+    fn far_from_the_origin_lines_meet_the_same_places() {
+        let away = Vector3::from([5e6, -4e6, 2e6]);
+        for shape in shapes() {
+            let x: Vec<Vector3> = shape.corners().iter().map(|&x| x + away).collect();
+            let moved = match x[..] {
+                [a, b, c] => Shape::Triangle([a, b, c]),
+                _ => Shape::Quadrilateral([x[0], x[1], x[2], x[3]]),
+            };
+            let near = carried(&shape, POINT, ALONG, Mode::Gradient).unwrap();
+            let far = carried(&moved, (Vector3::from(POINT) + away).into(), ALONG, Mode::Gradient).unwrap();
+            let all = near.forces.as_flattened().iter().chain(&near.derivatives);
+            let both = all.zip(far.forces.as_flattened().iter().chain(&far.derivatives));
+            assert!(both.into_iter().all(|(near, far)| (near - far).abs() < 1e-8));
+        }
+    }
+
+    /// Wherever its corners begin, a quadrilateral with a reflex corner carries a force alike.
+    #[test]
+    fn a_reflex_corner_may_come_first() {
+        let dart = [[0.6, 0.6, 0.0], [1.0, 0.0, 0.1], [1.0, 1.0, 0.0], [0.0, 1.0, 0.1]].map(Vector3::from);
+        let by_turn = |turn: usize| {
+            let corners = [0, 1, 2, 3].map(|k| dart[(k + turn) % 4]);
+            let carried =
+                carried(&Shape::Quadrilateral(corners), [0.9, 0.9, 1.0], [0.0, 0.1, -1.0], Mode::Gradient);
+            let carried = carried.unwrap();
+            let place = |corner: usize| (corner + 4 - turn) % 4;
+            let forces = [0, 1, 2, 3].map(|corner| carried.forces[1 + place(corner)]);
+            let column = |variable: usize| match variable {
+                0..6 => variable,
+                _ => 6 + 3 * place(variable / 3 - 2) + variable % 3,
+            };
+            let rows = (0..12).map(|k| 3 * (1 + place(k / 3)) + k % 3);
+            let derivatives: Vec<f64> = rows
+                .flat_map(|row| (0..18).map(move |k| (row, k)))
+                .map(|(row, k)| carried.row(row)[column(k)])
+                .collect();
+            (forces, derivatives)
+        };
+        let (forces, derivatives) = by_turn(0);
+        assert!(forces.iter().all(|part| part[2] < 0.0), "no corner is pulled: {forces:?}");
+        for turn in 1..4 {
+            let (other, by) = by_turn(turn);
+            let all = forces.as_flattened().iter().chain(&derivatives);
+            let both = all.zip(other.as_flattened().iter().chain(&by));
+            assert!(both.into_iter().all(|(one, other)| (one - other).abs() < 1e-11), "{turn}");
         }
     }
 

@@ -75,6 +75,8 @@ struct Layer {
     facet: u32,
     /// As it is seen.
     over: Polygon,
+    /// The box around that.
+    bounds: [[f64; 2]; 2],
     /// How far away it may be.
     limit: f64,
     /// How deep the face's points may lie below it; `None` if it looks the way the face does.
@@ -160,9 +162,11 @@ pub fn cut(
         if deepest.is_none() && !hides {
             continue;
         }
-        let (shape, limit) = (index.shape(facet), limit_of(facet));
+        let (shape, own_limit) = (index.shape(facet), limit_of(facet));
+        // It hides what any facet behind it could touch.
+        let reach = if deepest.is_some() { own_limit } else { limit };
         let heights = || shape.corners().iter().map(|&x| view.normal.dot(&(x - view.origin)));
-        if heights().all(|height| height > limit) || heights().all(|height| height < -limit) {
+        if heights().all(|height| height > reach) || heights().all(|height| height < -reach) {
             continue;
         }
         let mut over: Polygon = shape.corners().iter().map(|&x| view.seen(x)).collect();
@@ -175,7 +179,7 @@ pub fn cut(
             if places.is_empty() {
                 continue;
             }
-            layers.push(Layer { facet, over, limit, deepest });
+            layers.push(Layer { facet, bounds: bounds(&over), over, limit: own_limit, deepest });
             let Some(deepest) = deepest else { continue };
             for (place, weight) in places {
                 let x = view.point(place);
@@ -183,7 +187,7 @@ pub fn cut(
                 let Some((natural, weight)) = on_face(face, first, view.normal, (x, weight)) else {
                     continue;
                 };
-                let is_near = height.abs() <= limit && height >= -deepest;
+                let is_near = height.abs() <= own_limit && height >= -deepest;
                 if is_near && weight.is_finite() && weight > 0.0 {
                     let Some(functions) = functions(natural) else {
                         unplaced += 1;
@@ -233,7 +237,7 @@ fn is_nearest(
     index: &SurfaceIndex<'_>,
     view: &View,
 ) -> bool {
-    let is_before = |&Layer { facet: other, ref over, limit, deepest }: &Layer| {
+    let is_before = |&Layer { facet: other, ref over, bounds, limit, deepest }: &Layer| {
         let before = |found: f64| match deepest {
             Some(deepest) => {
                 let carries = found.abs() <= limit && found >= -deepest;
@@ -241,7 +245,10 @@ fn is_nearest(
             }
             None => found * height > 0.0 && found.abs() < height.abs(),
         };
+        let [low, high] = bounds;
+        let is_within = (0..2).all(|axis| low[axis] <= place[axis] && place[axis] <= high[axis]);
         other != facet
+            && is_within
             && contains(over, place)
             && height_over(&index.shape(other), view.point(place), view.normal).is_some_and(before)
     };
@@ -287,6 +294,12 @@ pub fn far_side(index: &SurfaceIndex<'_>, facet: u32) -> f64 {
         }
     });
     nearest
+}
+
+/// The box around a polygon.
+fn bounds(polygon: &[[f64; 2]]) -> [[f64; 2]; 2] {
+    let start = [[f64::INFINITY; 2], [f64::NEG_INFINITY; 2]];
+    polygon.iter().fold(start, |[[a, b], [c, d]], &[x, y]| [[a.min(x), b.min(y)], [c.max(x), d.max(y)]])
 }
 
 /// Whether a point lies in a convex polygon that runs counter-clockwise.

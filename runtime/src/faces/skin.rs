@@ -122,14 +122,14 @@ impl Skin {
         match options.element {
             ContactElement::NodeToFacet => {
                 let extents = faces.iter().map(|face| shape_of(face, first).extent());
-                let symmetry = Symmetry::of_planes(planes, extents.fold(0.0, f64::max));
+                let symmetry = Symmetry::of_planes(planes, extents.fold(0.0, f64::max))?;
                 // Faces that stand there twice would carry twice the force.
                 MasterSurface::new(first, faces.to_vec())?;
                 Ok(Self { symmetry, straight: 0, ..Self::of(faces, |_| None) })
             }
-            ContactElement::Diffuse { weight, .. } => {
+            ContactElement::Diffuse { weight, search, .. } => {
                 let surface = MasterSurface::new(first, faces.to_vec())?;
-                let options = own_options(options, weight);
+                let options = own_options(options, weight, search.basis);
                 let mut own = ContactInterface::new(surface, Vec::new(), &[], first, options)?;
                 own.set_symmetry(planes)?;
                 let numbered: Vec<(u32, Facet)> = (0..).zip(faces.iter().copied()).collect();
@@ -144,12 +144,12 @@ impl Skin {
         offset: usize,
         options: &InterfaceOptions,
     ) -> Result<Self, InterfaceError> {
-        let ContactElement::Diffuse { weight, .. } = options.element else {
+        let ContactElement::Diffuse { weight, search, .. } = options.element else {
             return Err(WindowError::NeedsDomains.into());
         };
         let first: Vec<Point> = window.first_positions().collect();
         let faces: Vec<(u32, Facet)> = window.core_facets().collect();
-        let options = own_options(options, weight);
+        let options = own_options(options, weight, search.basis);
         let mut own = ContactInterface::in_window(window, Vec::new(), &[], &first, options)?;
         let mut skin = Self::through(&mut own, &faces, &first, weight)?;
         let carriers = skin.faces.iter_mut().flat_map(|face| &mut face.carriers);
@@ -208,9 +208,10 @@ fn mean(positions: &[Point], nodes: &[usize]) -> Vector3 {
     sum * (1.0 / nodes.len() as f64)
 }
 
-/// Options of the smooth surface through the faces' nodes.
-fn own_options(options: &InterfaceOptions, weight: Weight) -> InterfaceOptions {
-    let element = ContactElement::diffuse(SearchOptions::domains()).with_weight(weight);
+/// Options of the smooth surface through the faces' nodes, of the same basis as the master's.
+fn own_options(options: &InterfaceOptions, weight: Weight, basis: Basis) -> InterfaceOptions {
+    let search = SearchOptions { basis, ..SearchOptions::domains() };
+    let element = ContactElement::diffuse(search).with_weight(weight);
     // Feet of points on a curved border lie a little beyond its straight edges.
     InterfaceOptions { element, distance_limit: None, areas: false, border_tolerance: 0.5, ..*options }
 }
@@ -308,7 +309,7 @@ mod tests {
         positions.extend([[3.5, 4.2, 0.1], [3.0, 4.0, height(3.0, 4.0)], [0.2, 0.1, 0.0], [5.01, 4.0, -0.1]]);
         let surface: MasterSurface = MasterSurface::new(&positions, facets).unwrap();
         for weight in Weight::ALL {
-            let options = own_options(&InterfaceOptions::default(), weight);
+            let options = own_options(&InterfaceOptions::default(), weight, Basis::Quadratic);
             let slaves: Vec<usize> = (81..positions.len()).collect();
             let mut own =
                 ContactInterface::new(surface.clone(), slaves.clone(), &[], &positions, options).unwrap();

@@ -1,6 +1,6 @@
 //! Interfaces from a master surface and slaves, and what they keep of the first configuration: planes of symmetry, domains.
 
-use super::nodal::{Nodal, symmetry_of};
+use super::nodal::{Nodal, planes_of};
 use super::pairings::Pairings;
 use super::{ContactElement, ContactInterface, Contacts, InterfaceError, InterfaceOptions};
 use crate::Point;
@@ -146,7 +146,7 @@ impl ContactInterface {
         }
         let index = self.master.at(&first)?;
         // Facets have no domains, but planes all the same.
-        symmetry_of(&index, planes)?;
+        planes_of(&index, planes)?;
         self.nodal = Nodal::new(&index, &self.options, planes)?;
         // Anchors name images by number.
         if self.planes != planes {

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use super::create::check_count;
 use super::evaluator::Evaluator;
-use super::nodal::symmetry_of;
+use super::nodal::planes_of;
 use super::pairings::Pairings;
 use super::refresh::{Compares, Refresh, RefreshScratch};
 use super::window::Knowledge;
@@ -101,7 +101,7 @@ impl ContactInterface {
         let creases = match &self.nodal {
             Some(nodal) => nodal.creases.clone(),
             None => {
-                let symmetry = symmetry_of(&index, &self.planes)?;
+                let symmetry = planes_of(&index, &self.planes)?;
                 Creases::new(&index, self.options.feature_angle_degrees.to_radians(), &symmetry)
             }
         };

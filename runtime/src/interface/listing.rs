@@ -52,11 +52,13 @@ impl Refresh<'_> {
         // A slave far beyond a border may have no place: all are listed then, and the evaluation says why there is no contact.
         let listed = nodal.domains.listed(facet);
         let place = self.evaluator.place_among(listed, node, facet, weight, element).ok();
-        let mut shortest = f64::INFINITY;
+        let (mut shortest, mut beyond) = (f64::INFINITY, f64::INFINITY);
         for &Listed { node: listed, image } in listed {
             let domain = nodal.domain(listed, image);
-            let is_far = |place| domain.length(Vector3::from(domain.position) - place) >= 1.0 + SKIN;
-            if place.is_some_and(is_far) {
+            let length = place.map_or(0.0, |place| domain.length(Vector3::from(domain.position) - place));
+            if length >= 1.0 + SKIN {
+                // How much shorter a listed domain would have to be for the list to hold as long as this one is out of reach.
+                beyond = beyond.min((length - 1.0) / SKIN * domain.shortest());
                 continue;
             }
             shortest = shortest.min(domain.shortest());
@@ -73,6 +75,9 @@ impl Refresh<'_> {
             if image != NONE {
                 images.extend([sheet_nodes.len() as u32 - 1, image]);
             }
+        }
+        if shortest.is_finite() {
+            shortest = shortest.min(beyond);
         }
         for [one, other, ..] in auxiliary.as_chunks::<4>().0 {
             join(*one, masters, sheet_nodes, images);

@@ -46,7 +46,10 @@ impl Nodal {
     }
 }
 
-/// The planes with the images near a surface.
-pub fn symmetry_of(index: &SurfaceIndex<'_>, planes: &[SymmetryPlane]) -> Result<Symmetry, InterfaceError> {
-    Ok(Symmetry::of_surface(planes, &Extents::of(index))?)
+/// The planes of a surface without domains, which has no images in them.
+pub fn planes_of(index: &SurfaceIndex<'_>, planes: &[SymmetryPlane]) -> Result<Symmetry, InterfaceError> {
+    if planes.is_empty() {
+        return Ok(Symmetry::default());
+    }
+    Ok(Symmetry::of_planes(planes, Extents::of(index).facet)?)
 }

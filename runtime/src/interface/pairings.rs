@@ -10,7 +10,7 @@ use crate::{Basis, Frame};
 /// What stays fixed for one paired slave until the next refresh, besides its masters.
 #[derive(Clone, Copy, Debug)]
 pub struct Record {
-    /// Support radius R; with nodal domains the shortest half axis of a listed one; of a node-to-facet element the facet's extent.
+    /// Support radius R; with nodal domains the shortest half axis of a listed one, or less where a short one is near; of a node-to-facet element the facet's extent.
     pub support_radius: f64,
     pub basis: Basis,
     pub fallback: Fallback,

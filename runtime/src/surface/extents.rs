@@ -10,7 +10,7 @@ pub struct Extents {
     pub low: Point,
     /// Highest coordinates, length.
     pub high: Point,
-    /// Largest extent of a facet: of the coordinate differences of its corners from the first one, length.
+    /// Largest extent of a facet: of the coordinate differences of its corners, length.
     pub facet: f64,
 }
 

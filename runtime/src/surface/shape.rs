@@ -137,16 +137,14 @@ impl Shape {
         part * self.area_vector().norm() / longest
     }
 
-    /// Largest coordinate difference from the first corner.
+    /// Largest coordinate difference between two corners.
     pub fn extent(&self) -> f64 {
-        let corners = self.corners();
-        let mut extent = 0.0_f64;
-        for corner in &corners[1..] {
-            for axis in 0..3 {
-                extent = extent.max((corner[axis] - corners[0][axis]).abs());
-            }
-        }
-        extent
+        let along = |axis: usize| {
+            let coordinates = self.corners().iter().map(|corner| corner[axis]);
+            let [low, high] = [f64::INFINITY, f64::NEG_INFINITY];
+            coordinates.fold([low, high], |[low, high], x| [low.min(x), high.max(x)])
+        };
+        [0, 1, 2].map(along).into_iter().fold(0.0, |extent, [low, high]| (high - low).max(extent))
     }
 
     /// Offsets from the first corner times a factor.

@@ -104,12 +104,7 @@ impl Symmetry {
     /// [`SurfaceError::InvalidSymmetry`] for a plane whose normal is no unit vector; [`SurfaceError::TooManyImages`] for planes that
     /// are not parallel and do not meet at 180° over a whole number, or are too near to one another.
     pub fn new(planes: &[SymmetryPlane], reach: f64, [low, high]: [Point; 2]) -> Result<Self, SurfaceError> {
-        for (plane, symmetry) in planes.iter().enumerate() {
-            let length = Vector3::from(symmetry.normal).norm();
-            if !((length - 1.0).abs() <= UNIT_TOLERANCE && symmetry.point.iter().all(|x| x.is_finite())) {
-                return Err(SurfaceError::InvalidSymmetry { plane, length });
-            }
-        }
+        check(planes)?;
         let corners: Vec<Point> = (0..8)
             .map(|k| [0, 1, 2].map(|axis| if k >> axis & 1 == 0 { low[axis] } else { high[axis] }))
             .collect();
@@ -170,9 +165,14 @@ impl Symmetry {
         Ok(())
     }
 
-    /// The planes alone, for points of a surface of this size: there are no images.
-    pub fn of_planes(planes: &[SymmetryPlane], size: f64) -> Self {
-        Self { planes: planes.to_vec(), images: Vec::new(), reach: size, tolerance: ON_PLANE * size }
+    /// The planes alone, for a surface whose largest facet has this extent: facets need no images.
+    ///
+    /// # Errors
+    /// [`SurfaceError::InvalidSymmetry`].
+    pub fn of_planes(planes: &[SymmetryPlane], facet: f64) -> Result<Self, SurfaceError> {
+        check(planes)?;
+        let reach = IMAGES_REACH * facet;
+        Ok(Self { planes: planes.to_vec(), images: Vec::new(), reach, tolerance: ON_PLANE * reach })
     }
 
     pub fn is_none(&self) -> bool {
@@ -254,6 +254,17 @@ impl Symmetry {
     }
 }
 
+/// Refuses planes whose normal is no unit vector.
+fn check(planes: &[SymmetryPlane]) -> Result<(), SurfaceError> {
+    for (plane, symmetry) in planes.iter().enumerate() {
+        let length = Vector3::from(symmetry.normal).norm();
+        if !((length - 1.0).abs() <= UNIT_TOLERANCE && symmetry.point.iter().all(|x| x.is_finite())) {
+            return Err(SurfaceError::InvalidSymmetry { plane, length });
+        }
+    }
+    Ok(())
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -274,7 +285,7 @@ mod tests {
             SymmetryPlane { point: [0.0; 3], normal: [cos, sin, 0.0] },
             SymmetryPlane::across(0, [5.0, 0.0, 0.0]),
         ];
-        let symmetry = Symmetry::of_planes(&planes, 1.0);
+        let symmetry = Symmetry::of_planes(&planes, 0.125).unwrap();
         let at = |point: Point| symmetry.within_planes(point, Vector3::from([0.3, -0.7, 0.2]));
         assert!((at([0.0, 0.0, 4.0]) - Vector3::from([0.0, 0.0, 0.2])).norm() < 1e-15);
         assert_eq!(at([0.0, 2.0, 4.0]), Vector3::from([0.0, -0.7, 0.2]));

@@ -88,6 +88,32 @@ fn nothing_is_touched_through_a_plate() {
     }
 }
 
+/// The same of a plate whose far side is one large facet: it reaches farther than the small ones that hide it.
+#[test]
+fn nothing_is_touched_through_a_plate_with_a_coarse_back() {
+    let mut lower = Mesh::block([6, 6, 1], [3.0, 3.0, 0.25]);
+    let upper = {
+        let mut upper = Mesh::block([5, 5, 3], [2.5, 2.5, 1.5]);
+        upper.positions.iter_mut().for_each(|x| x[2] += 1.73);
+        upper
+    };
+    let is_back = |facet: &Facet| facet.corners().iter().all(|&node| lower.positions[node][2] < 0.0);
+    let mut facets: Vec<Facet> = lower.facets.iter().copied().filter(|facet| !is_back(facet)).collect();
+    let corner = |x: [f64; 3]| lower.positions.iter().position(|other| *other == x).unwrap();
+    let back = [[-3.0, -3.0], [-3.0, 3.0], [3.0, 3.0], [3.0, -3.0]];
+    facets.push(Facet::Quadrilateral(back.map(|[x, y]| corner([x, y, -0.25]))));
+    lower.facets = facets;
+    let Mesh { positions, facets } = both(&lower, &upper);
+    let (master, slave) = facets.split_at(lower.facets.len());
+    for element in elements() {
+        for node in nodes_of(element, master, slave, &positions) {
+            let [_, _, z] = positions[node.slave];
+            assert!(z < 3.0 || node.pressure == 0.0, "{element:?} {node:?}");
+            assert_eq!(node.pressure > 0.0, z < 0.5 && node.area > 0.0, "{element:?} {node:?}");
+        }
+    }
+}
+
 /// Layers that leave a part of the face uncovered.
 #[test]
 fn the_nearest_of_layers_carries_at_their_rim_too() {

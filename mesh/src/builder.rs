@@ -40,9 +40,14 @@ impl Builder {
                 return Err(Fault::new(at, Problem::NonFiniteCoordinate { tag, axis, value }));
             }
         }
-        if self.node_index.insert(tag, self.nodes.len()).is_some() {
+        if let Some(&known) = self.node_index.get(&tag) {
+            // The same once more is no other node.
+            if self.nodes[known] == coordinates {
+                return Ok(());
+            }
             return Err(Fault::new(tag_at, Problem::DuplicateNode { tag }));
         }
+        self.node_index.insert(tag, self.nodes.len());
         self.nodes.push(coordinates);
         self.node_tags.push(tag);
         Ok(())
@@ -72,6 +77,10 @@ impl Builder {
 
     pub fn node_index(&self, tag: u64) -> Option<usize> {
         self.node_index.get(&tag).copied()
+    }
+
+    pub fn node_tags(&self) -> &[u64] {
+        &self.node_tags
     }
 
     pub fn element_index(&self, tag: u64) -> Option<usize> {

@@ -418,7 +418,6 @@ fn bad_sets_and_surfaces_are_found_in_their_line() {
     let everything = " brick, plate\n";
     assert_fault(everything, " brick, plat\n", "\"Everything\" refers to element set \"plat\"");
     assert_fault(everything, " brick, 999\n", "\"Everything\" refers to element 999, which does not exist");
-    assert_fault(" 1, 7, 2", " 1, 99999999999999, 2", "\"Corners\" refers to node 9, which does not exist");
     assert_fault(" 1, 7, 2", " 7, 1, 2", "expected first, last and increment");
     assert_fault(" 1, 7, 2", " 1, 7, 0", "expected first, last and increment");
     assert_fault(" Brick, S2", " Brick, S7", "expected a face identifier");
@@ -427,8 +426,6 @@ fn bad_sets_and_surfaces_are_found_in_their_line() {
         " Brick, SPOS",
         "face \"SPOS\" does not belong to element 100, a hexahedron; its faces are S1 to S6",
     );
-    // A shell of four edges has no fifth.
-    assert_fault(" plate, sneg", " plate, S5", "face \"S5\" does not belong to element 201, a quadrilateral");
     assert_fault(" 15\n*Node Output", " 16\n*Node Output", "\"Dots\" refers to node 16");
     assert_fault("*Surface, type=node", "*Surface, type=cylinder", "expected *SURFACE of TYPE=");
     let message = message(&FLAT.replace("name=Dots", "name=Many"));
@@ -515,6 +512,35 @@ fn surfaces_that_are_not_supported_do_not_stand_in_the_way_of_others() {
             );
         }
     }
+}
+
+/// Numbers of a range that stand for nothing are passed over, as long as some stand for something.
+#[test]
+fn ranges_have_gaps_and_go_beyond_the_last_number() {
+    let set = |range: &str| {
+        let mesh = read(&FLAT.replace(" 1, 7, 2", &format!(" {range}")));
+        mesh.nodes_of("Corners").unwrap().len()
+    };
+    let all = read(FLAT).nodes().len();
+    assert_eq!(set("1, 999999999"), all);
+    assert_eq!(set("1, 18446744073709551615, 1"), all);
+    assert_eq!(set("8, 10"), 3);
+    assert_fault(" 1, 7, 2", " 900, 901", "\"Corners\" refers to node 900, which does not exist");
+    // One far away would make a range long.
+    let far = FLAT.replace("15, 2., .5", "99999999, 2., .5").replace("12, 15, 13", "12, 99999999, 13");
+    let far = far.replace("\n 15\n", "\n 99999999\n").replace(" 1, 7, 2", " 1, 99999999");
+    assert!(message(&far).contains("\"Corners\" refers to node 9, which"), "{}", message(&far));
+}
+
+/// A node may stand there twice; another one may not have its number.
+#[test]
+fn the_same_node_twice_is_one() {
+    let line = FLAT.lines().find(|line| line.trim_start().starts_with("15,")).unwrap();
+    let twice = read(&FLAT.replace(line, &format!("{line}\n{line}")));
+    assert_eq!(twice.nodes().len(), read(FLAT).nodes().len());
+    let other = line.replace("15, 2.", "15, 3.");
+    let message = message(&FLAT.replace(line, &format!("{line}\n{other}")));
+    assert!(message.contains("node 15 is defined twice"), "{message}");
 }
 
 /// A few megabytes could ask for any number of members.

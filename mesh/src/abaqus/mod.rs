@@ -378,11 +378,18 @@ impl Deck<'_> {
         };
         let constraints = self.constraints.into_iter().map(&mut constraint).collect();
         let elements = builder.resolved_elements()?;
-        let node = |tag| builder.node_index(tag).map_or(Found::Missing, Found::Index);
+        let last_node = builder.node_tags().iter().copied().max().unwrap_or(0);
+        let read_elements = elements.iter().map(|element| element.tag());
+        let last_element =
+            read_elements.chain(self.unread.iter().map(|element| element.tag)).max().unwrap_or(0);
+        let node = |tag| {
+            let missing = Found::Missing { is_beyond: tag > last_node };
+            builder.node_index(tag).map_or(missing, Found::Index)
+        };
         let element = |tag| match builder.element_index(tag) {
             Some(index) => Found::Index(index),
             None if self.unread_index.contains_key(&tag) => Found::Unread,
-            None => Found::Missing,
+            None => Found::Missing { is_beyond: tag > last_element },
         };
         let nodes_in = node_sets.resolve(node)?;
         let elements_in = element_sets.resolve(element)?;
@@ -502,8 +509,8 @@ fn element_kind(name: &str) -> Option<ElementKind> {
             ElementKind::Quadrilateral4
         }
         "S3" | "S3R" | "S3RS" | "STRI3" | "R3D3" | "M3D3" | "SFM3D3" => ElementKind::Triangle3,
-        "S8R" | "S8R5" | "M3D8" | "M3D8R" | "SFM3D8" | "SFM3D8R" => ElementKind::Quadrilateral8,
-        "STRI65" | "M3D6" | "SFM3D6" => ElementKind::Triangle6,
+        "S8" | "S8R" | "S8R5" | "M3D8" | "M3D8R" | "SFM3D8" | "SFM3D8R" => ElementKind::Quadrilateral8,
+        "S6" | "STRI65" | "M3D6" | "SFM3D6" => ElementKind::Triangle6,
         // What Gmsh calls the facets of a surface when it exports to Abaqus.
         "CPS4" => ElementKind::Quadrilateral4,
         "CPS3" => ElementKind::Triangle3,

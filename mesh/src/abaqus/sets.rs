@@ -5,6 +5,9 @@ use std::collections::{BTreeMap, BTreeSet, HashMap, HashSet};
 use crate::builder::MOST_MEMBERS;
 use crate::error::{Fault, Problem};
 
+/// So many numbers of a range, and as many again as there are members, may be those of nothing.
+const MOST_GAPS: usize = 10_000;
+
 /// Where a name is defined. A part and the model around it may use the same name for different sets.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(super) enum Level {
@@ -94,8 +97,8 @@ pub(super) enum Found {
     Index(usize),
     /// An element of a type that is not supported.
     Unread,
-    /// Nothing.
-    Missing,
+    /// Nothing; whether all numbers are smaller.
+    Missing { is_beyond: bool },
 }
 
 /// What is in a set.
@@ -179,19 +182,31 @@ impl Sets {
         match member {
             Member::Set(number) => Ok((sets[number].indices.iter().copied().collect(), sets[number].unread)),
             Member::Tags { first, last, step } => {
-                // Ends at the first missing tag, so a huge range costs no more than the mesh is large.
+                // A range may have gaps, and go beyond the last number. A huge one costs little more than the mesh is large.
                 let (mut indices, mut unread) = (Vec::new(), None);
+                let (mut gaps, mut gap) = (0, None);
                 let mut tag = first;
                 while tag <= last {
                     match find(tag) {
                         Found::Index(index) => indices.push(index),
                         Found::Unread => unread = unread.or(Some(tag)),
-                        Found::Missing => return Err(tag),
+                        Found::Missing { is_beyond } => {
+                            gap = gap.or(Some(tag));
+                            gaps += 1;
+                            if is_beyond {
+                                break;
+                            }
+                        }
                     }
-                    match tag.checked_add(step) {
+                    match tag.checked_add(step).filter(|_| gaps <= MOST_GAPS + indices.len()) {
                         Some(next) => tag = next,
                         None => break,
                     }
+                }
+                if let Some(gap) = gap
+                    && (indices.is_empty() && unread.is_none() || gaps > MOST_GAPS + indices.len())
+                {
+                    return Err(gap);
                 }
                 Ok((indices, unread))
             }

@@ -146,9 +146,8 @@ impl Surfaces {
             for index in indices {
                 let facets = face.facets(&elements[index]);
                 let kind = elements[index].kind();
-                let is_edge = |number: usize| kind.dimension() == 2 && number < kind.corner_count();
-                if matches!(face, Face::Number(number) if is_edge(number)) {
-                    // By CalculiX' numbers: no facet, and a fault only where the surface is asked for.
+                if matches!(face, Face::Number(_)) && kind.dimension() == 2 {
+                    // CalculiX numbers sides and edges of shells, and edges in a plane: a fault only where the surface is asked for.
                     surfaces[surface].unsupported.get_or_insert_with(|| face.to_string());
                     continue;
                 }

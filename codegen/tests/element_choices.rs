@@ -112,6 +112,19 @@ fn a_choice_leaves_out_the_derivatives_of_what_the_generator_names() {
     assert_eq!(at_zero("hessian_product"), [2.0, 1.0]);
 }
 
+/// A norm that is left out is no quantity of its own either.
+#[test]
+fn a_choice_leaves_out_norms_of_what_has_no_derivatives() {
+    let element = kernels(|m| {
+        let [d, y] = ["d", "y"].map(|name| m.variable::<Expr<'_>>(name));
+        m.energy(d.less(0.5).select(d * y, d.ln().hypot(y).cos() + (d.sqrt() + y).hypot(y).exp()));
+        m.product();
+    });
+    let at_zero = results(&element, &[&[0.0], &[2.0]], &[1.0, 3.0]);
+    assert_eq!(at_zero("hessian"), [0.0, 1.0, 0.0]);
+    assert_eq!(at_zero("hessian_product"), [3.0, 1.0]);
+}
+
 /// Sums over the nodes keep their names; what is in their terms is written out.
 #[test]
 fn terms_of_sums_leave_out_derivatives() {
@@ -193,7 +206,7 @@ fn a_squared_norm_with_a_name_has_its_hessian_everywhere() {
 #[test]
 fn a_smooth_function_of_a_norm_has_its_hessian_where_the_norm_is_zero() {
     type Smooth = (for<'g> fn(Expr<'g>, Expr<'g>) -> Expr<'g>, f64);
-    let functions: [Smooth; 10] = [
+    let functions: [Smooth; 13] = [
         (|n, _| n.cos(), -1.0),
         (|n, _| n.sin().powi(2), 2.0),
         (|n, one| n.atan2(one).powi(2), 2.0),
@@ -204,6 +217,10 @@ fn a_smooth_function_of_a_norm_has_its_hessian_where_the_norm_is_zero() {
         (|n, _| (n + n.powi(2)).powi(2), 2.0),
         (|n, _| (1.0 + n).powf(2.7) + (1.0 - n).powf(2.7), 2.0 * 2.7 * 1.7),
         (|n, _| n.powi(2) * n.cos() + n.cos() * 3.0, 2.0 - 3.0),
+        // Matérn's and Wendland's functions.
+        (|n, _| n.polynomial(Polynomial::new(vec![1.0, 1.0, 1.0 / 3.0])) * (-n).exp(), -1.0 / 3.0),
+        (|n, _| (1.0 - n).powi(4) * n.polynomial(Polynomial::new(vec![1.0, 4.0])), -20.0),
+        (|n, _| n.polynomial(Polynomial::new(vec![1.0, 0.0, 3.0])) * n.cos(), 5.0),
     ];
     for (k, (function, curvature)) in functions.into_iter().enumerate() {
         for is_named in [false, true] {
@@ -223,6 +240,14 @@ fn a_smooth_function_of_a_norm_has_its_hessian_where_the_norm_is_zero() {
             );
             let product = found("hessian_product");
             assert!(difference(&product, &[c, 2.0 * c, 3.0 * c]) < 1e-14, "{k}: {product:?}");
+            // Squares of such a norm are no numbers.
+            let next_to = results(&element, &[&[0.0, 1e-160, 0.0], &[1.0]], &[1.0, 2.0, 3.0]);
+            assert!(
+                difference(&next_to("hessian"), &found("hessian")) < 1e-14,
+                "{k}: {:?}",
+                next_to("hessian")
+            );
+            assert!(difference(&next_to("hessian_product"), &product) < 1e-14, "{k}");
             // Beside it the limit is reached.
             let beside = results(&element, &[&[1e-6, 0.0, 0.0], &[1.0]], &[1.0, 2.0, 3.0]);
             assert!(difference(&beside("hessian"), &found("hessian")) < 1e-4, "{k}: {:?}", beside("hessian"));

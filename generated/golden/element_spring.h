@@ -15,7 +15,7 @@
 #endif
 
 #ifndef DIFFUSE_CONTACT_ELEMENT_SPRING
-#define DIFFUSE_CONTACT_ELEMENT_SPRING 3928097608u
+#define DIFFUSE_CONTACT_ELEMENT_SPRING 3211374040u
 
 /* A spring between two points, linear in its stretch. */
 typedef struct {
@@ -152,16 +152,17 @@ static inline void spring_hessian(const spring_inputs *inputs, spring_values *va
     const double by_part_7 = by_stretch_3 * (part_7 * c1_over_norm_2);
     const double by_part_8 = by_stretch_3 * (part_8 * c1_over_norm_2);
     const double by_part_9 = by_stretch_3 * (part_9 * c1_over_norm_2);
-    const double choice = (0.0 < norm_2 ? (by_stretch_3 * c1_over_norm_2) : stiffness);
-    const double sum = 0.25 * (c1_over_norm_2 * (stiffness * c1_over_norm_2)) + (-0.25) * (c1_over_norm_2 * c1_over_norm_2 * choice);
+    const double choice = (1e-150 < norm_2 ? (0.5 * c1_over_norm_2) : 0.0);
+    const double choice_v2 = (1e-150 < norm_2 ? (by_stretch_3 * c1_over_norm_2) : stiffness);
+    const double sum = choice * (stiffness * choice) - choice * choice * choice_v2;
     const double part_7_sum = part_7 * sum;
-    const double by_part_4_part_4 = 4.0 * (part_7 * part_7_sum) + 2.0 * (0.5 * choice);
+    const double by_part_4_part_4 = 4.0 * (part_7 * part_7_sum) + 2.0 * (0.5 * choice_v2);
     const double by_part_5_part_4 = 4.0 * (part_8 * part_7_sum);
     const double part_8_sum = part_8 * sum;
-    const double by_part_5_part_5 = 2.0 * (0.5 * choice) + 4.0 * (part_8 * part_8_sum);
+    const double by_part_5_part_5 = 2.0 * (0.5 * choice_v2) + 4.0 * (part_8 * part_8_sum);
     const double by_part_6_part_4 = 4.0 * (part_9 * part_7_sum);
     const double by_part_6_part_5 = 4.0 * (part_9 * part_8_sum);
-    const double by_part_6_part_6 = 2.0 * (0.5 * choice) + 4.0 * (part_9 * (part_9 * sum));
+    const double by_part_6_part_6 = 2.0 * (0.5 * choice_v2) + 4.0 * (part_9 * (part_9 * sum));
     values->energy = 0.5 * (stiffness * (stretch * stretch));
     values->force = by_stretch_3;
     gradient[0] = -by_part_7;
@@ -216,16 +217,17 @@ static inline void spring_hessian_batch(size_t count, const double *restrict inp
         const double by_part_7 = by_stretch_3 * (part_7 * c1_over_norm_2);
         const double by_part_8 = by_stretch_3 * (part_8 * c1_over_norm_2);
         const double by_part_9 = by_stretch_3 * (part_9 * c1_over_norm_2);
-        const double choice = (0.0 < norm_2 ? (by_stretch_3 * c1_over_norm_2) : stiffness);
-        const double sum = 0.25 * (c1_over_norm_2 * (stiffness * c1_over_norm_2)) + (-0.25) * (c1_over_norm_2 * c1_over_norm_2 * choice);
+        const double choice = (1e-150 < norm_2 ? (0.5 * c1_over_norm_2) : 0.0);
+        const double choice_v2 = (1e-150 < norm_2 ? (by_stretch_3 * c1_over_norm_2) : stiffness);
+        const double sum = choice * (stiffness * choice) - choice * choice * choice_v2;
         const double part_7_sum = part_7 * sum;
-        const double by_part_4_part_4 = 4.0 * (part_7 * part_7_sum) + 2.0 * (0.5 * choice);
+        const double by_part_4_part_4 = 4.0 * (part_7 * part_7_sum) + 2.0 * (0.5 * choice_v2);
         const double by_part_5_part_4 = 4.0 * (part_8 * part_7_sum);
         const double part_8_sum = part_8 * sum;
-        const double by_part_5_part_5 = 2.0 * (0.5 * choice) + 4.0 * (part_8 * part_8_sum);
+        const double by_part_5_part_5 = 2.0 * (0.5 * choice_v2) + 4.0 * (part_8 * part_8_sum);
         const double by_part_6_part_4 = 4.0 * (part_9 * part_7_sum);
         const double by_part_6_part_5 = 4.0 * (part_9 * part_8_sum);
-        const double by_part_6_part_6 = 2.0 * (0.5 * choice) + 4.0 * (part_9 * (part_9 * sum));
+        const double by_part_6_part_6 = 2.0 * (0.5 * choice_v2) + 4.0 * (part_9 * (part_9 * sum));
         values[0 * count + k] = 0.5 * (stiffness * (stretch * stretch));
         values[1 * count + k] = by_stretch_3;
         gradient[0 * count + k] = -by_part_7;
@@ -282,13 +284,13 @@ static inline void spring_product(const spring_inputs *inputs, const double dire
     const double stretch = norm_3 - length;
     const double by_norm_3 = stiffness * stretch;
     const double c1_over_norm_3 = (norm_3 == 0.0 ? 0.0 : 1.0 / norm_3);
-    const double by_norm_squared_3 = 0.5 * (0.0 < norm_3 ? (by_norm_3 * c1_over_norm_3) : stiffness);
+    const double by_norm_squared_3 = 0.5 * (1e-150 < norm_3 ? (by_norm_3 * c1_over_norm_3) : stiffness);
     const double part_10_rate = direction_4 - direction_1;
     const double part_11_rate = direction_5 - direction_2;
     const double part_12_rate = direction_6 - direction_3;
     const double norm_squared_3_rate = 2.0 * (part_10 * part_10_rate) + 2.0 * (part_11 * part_11_rate) + 2.0 * (part_12 * part_12_rate);
     const double norm_3_rate = 0.5 * (c1_over_norm_3 * norm_squared_3_rate);
-    const double by_norm_squared_3_rate_2 = 0.5 * (0.0 < norm_3 ? (c1_over_norm_3 * (stiffness * norm_3_rate) - by_norm_3 * (c1_over_norm_3 * (c1_over_norm_3 * norm_3_rate))) : 0.0);
+    const double by_norm_squared_3_rate_2 = 0.5 * (1e-150 < norm_3 ? (c1_over_norm_3 * (stiffness * norm_3_rate) - by_norm_3 * (c1_over_norm_3 * (c1_over_norm_3 * norm_3_rate))) : 0.0);
     const double by_part_10_rate_2 = 2.0 * (by_norm_squared_3 * part_10_rate + part_10 * by_norm_squared_3_rate_2);
     const double by_part_11_rate_2 = 2.0 * (by_norm_squared_3 * part_11_rate + part_11 * by_norm_squared_3_rate_2);
     const double by_part_12_rate_2 = 2.0 * (by_norm_squared_3 * part_12_rate + part_12 * by_norm_squared_3_rate_2);
@@ -326,13 +328,13 @@ static inline void spring_product_batch(size_t count, const double *restrict inp
         const double stretch = norm_3 - length;
         const double by_norm_3 = stiffness * stretch;
         const double c1_over_norm_3 = (norm_3 == 0.0 ? 0.0 : 1.0 / norm_3);
-        const double by_norm_squared_3 = 0.5 * (0.0 < norm_3 ? (by_norm_3 * c1_over_norm_3) : stiffness);
+        const double by_norm_squared_3 = 0.5 * (1e-150 < norm_3 ? (by_norm_3 * c1_over_norm_3) : stiffness);
         const double part_10_rate = direction_4 - direction_1;
         const double part_11_rate = direction_5 - direction_2;
         const double part_12_rate = direction_6 - direction_3;
         const double norm_squared_3_rate = 2.0 * (part_10 * part_10_rate) + 2.0 * (part_11 * part_11_rate) + 2.0 * (part_12 * part_12_rate);
         const double norm_3_rate = 0.5 * (c1_over_norm_3 * norm_squared_3_rate);
-        const double by_norm_squared_3_rate_2 = 0.5 * (0.0 < norm_3 ? (c1_over_norm_3 * (stiffness * norm_3_rate) - by_norm_3 * (c1_over_norm_3 * (c1_over_norm_3 * norm_3_rate))) : 0.0);
+        const double by_norm_squared_3_rate_2 = 0.5 * (1e-150 < norm_3 ? (c1_over_norm_3 * (stiffness * norm_3_rate) - by_norm_3 * (c1_over_norm_3 * (c1_over_norm_3 * norm_3_rate))) : 0.0);
         const double by_part_10_rate_2 = 2.0 * (by_norm_squared_3 * part_10_rate + part_10 * by_norm_squared_3_rate_2);
         const double by_part_11_rate_2 = 2.0 * (by_norm_squared_3 * part_11_rate + part_11 * by_norm_squared_3_rate_2);
         const double by_part_12_rate_2 = 2.0 * (by_norm_squared_3 * part_12_rate + part_12 * by_norm_squared_3_rate_2);
@@ -344,6 +346,6 @@ static inline void spring_product_batch(size_t count, const double *restrict inp
         hessian_product[5 * count + k] = by_part_12_rate_2;
     }
 }
-#elif DIFFUSE_CONTACT_ELEMENT_SPRING != 3928097608u
+#elif DIFFUSE_CONTACT_ELEMENT_SPRING != 3211374040u
 #error "there are two elements spring, or two sets of kernels of it"
 #endif

@@ -192,26 +192,33 @@ pub mod spring {
         let by_part_8 = by_stretch_3 * (part_8 * c1_over_norm_2);
         let by_part_9 = by_stretch_3 * (part_9 * c1_over_norm_2);
         let choice = E::select_less(
+            E::splat(
+                0.000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000001,
+            ),
+            norm_2,
+            E::splat(0.5) * c1_over_norm_2,
             E::ZERO,
+        );
+        let choice_v2 = E::select_less(
+            E::splat(
+                0.000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000001,
+            ),
             norm_2,
             by_stretch_3 * c1_over_norm_2,
             stiffness,
         );
-        let sum = (c1_over_norm_2 * c1_over_norm_2 * choice)
-            .mul_add(
-                E::splat(-0.25),
-                E::splat(0.25) * (c1_over_norm_2 * (stiffness * c1_over_norm_2)),
-            );
+        let sum = (choice * choice)
+            .neg_mul_add(choice_v2, choice * (stiffness * choice));
         let part_7_sum = part_7 * sum;
-        let by_part_4_part_4 = (E::splat(0.5) * choice)
+        let by_part_4_part_4 = (E::splat(0.5) * choice_v2)
             .mul_add(E::splat(2.0), E::splat(4.0) * (part_7 * part_7_sum));
         let by_part_5_part_4 = E::splat(4.0) * (part_8 * part_7_sum);
         let part_8_sum = part_8 * sum;
-        let by_part_5_part_5 = (E::splat(0.5) * choice)
+        let by_part_5_part_5 = (E::splat(0.5) * choice_v2)
             .mul_add(E::splat(2.0), E::splat(4.0) * (part_8 * part_8_sum));
         let by_part_6_part_4 = E::splat(4.0) * (part_9 * part_7_sum);
         let by_part_6_part_5 = E::splat(4.0) * (part_9 * part_8_sum);
-        let by_part_6_part_6 = (E::splat(0.5) * choice)
+        let by_part_6_part_6 = (E::splat(0.5) * choice_v2)
             .mul_add(E::splat(2.0), E::splat(4.0) * (part_9 * (part_9 * sum)));
         gradient[0] = -by_part_7;
         gradient[1] = -by_part_8;
@@ -275,7 +282,14 @@ pub mod spring {
         let by_norm_3 = stiffness * stretch;
         let c1_over_norm_3 = E::ONE.div_or_zero(norm_3);
         let by_norm_squared_3 = E::splat(0.5)
-            * E::select_less(E::ZERO, norm_3, by_norm_3 * c1_over_norm_3, stiffness);
+            * E::select_less(
+                E::splat(
+                    0.000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000001,
+                ),
+                norm_3,
+                by_norm_3 * c1_over_norm_3,
+                stiffness,
+            );
         let part_10_rate = direction_4 - direction_1;
         let part_11_rate = direction_5 - direction_2;
         let part_12_rate = direction_6 - direction_3;
@@ -288,7 +302,9 @@ pub mod spring {
         let norm_3_rate = E::splat(0.5) * (c1_over_norm_3 * norm_squared_3_rate);
         let by_norm_squared_3_rate_2 = E::splat(0.5)
             * E::select_less(
-                E::ZERO,
+                E::splat(
+                    0.000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000001,
+                ),
                 norm_3,
                 by_norm_3
                     .neg_mul_add(

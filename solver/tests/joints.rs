@@ -92,6 +92,16 @@ fn a_rigid_body_of_other_elements_is_not_told() {
     assert!(warnings.len() == 1 && warnings[0].contains("*RIGID BODY"), "{warnings:?}");
 }
 
+/// A body on springs that nobody reads is another structure.
+#[test]
+fn elements_that_are_not_read_are_told() {
+    let more = "*ELEMENT, TYPE=SPRINGA, ELSET=S\n21, 1, 15\n22, 2, 16\n*ELEMENT, TYPE=B33, ELSET=S\n23, 1, 2\n\
+                *ELEMENT, TYPE=MASS, ELSET=M\n24, 1\n";
+    let (warnings, _) = pulled("springs", &cubes(true, more), WHOLE);
+    let [springs] = &warnings[..] else { panic!("{warnings:?}") };
+    assert!(springs.contains("are not read: 1 of type B33, 2 of type SPRINGA;"), "{springs}");
+}
+
 /// As a series of two springs.
 #[test]
 fn elements_of_two_materials_share_their_nodes() {

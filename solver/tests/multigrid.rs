@@ -129,11 +129,23 @@ fn in_contact(n: usize, penalty: f64, friction: f64, is_held: bool, two_pass: bo
 
 /// A cube whose bottom is held.
 fn block(n: usize) -> Example {
+    beside_a_free_one(n, 0)
+}
+
+/// A cube whose bottom is held, and beside it one of m cells of the same size, if that is more than none, that nothing holds.
+fn beside_a_free_one(n: usize, m: usize) -> Example {
     let (mut positions, mut cells) = (Vec::new(), Vec::new());
     cube(n, [0.0; 3], &mut positions, &mut cells);
+    let held = positions.len();
+    if m > 0 {
+        cube(m, [0.0; 3], &mut positions, &mut cells);
+        let size = m as f64 / n as f64;
+        positions[held..].iter_mut().for_each(|x| *x = [3.0 + size * x[0], size * x[1], size * x[2]]);
+    }
     let mut matrix = BlockMatrix::new(Arc::new(BlockPattern::new(positions.len(), cells.iter())));
     add_elements(&mut matrix, &cells, n);
-    let prescribed: Vec<[bool; 3]> = positions.iter().map(|&[_, _, z]| [z == 0.0; 3]).collect();
+    let is_held = |(node, x): (usize, &[f64; 3])| [node < held && x[2] == 0.0; 3];
+    let prescribed: Vec<[bool; 3]> = positions.iter().enumerate().map(is_held).collect();
     Example {
         matrix,
         links: BlockPattern::new(positions.len(), cells.iter()),
@@ -262,6 +274,15 @@ fn bodies_that_nothing_holds_have_a_singular_matrix() {
     let loose = stacked(5, 1e3, 0.0, false);
     let error = loose.solve(LinearSolverChoice::Iterative, 1e-8).unwrap_err();
     assert!(matches!(error, SystemError::Singular { .. }), "{error}");
+}
+
+/// A free body that comes down to one coarse node has nothing but rounding there.
+#[test]
+fn a_small_body_that_nothing_holds_is_found_beside_a_large_one() {
+    for (n, m) in [(12, 1), (12, 2), (16, 3)] {
+        let error = beside_a_free_one(n, m).iterative(1e-8).unwrap_err();
+        assert!(matches!(error, SystemError::Singular { .. }), "{n} {m}: {error}");
+    }
 }
 
 /// Factors that are not symmetric tell it by themselves only where a column is empty.

@@ -135,7 +135,7 @@ fn a_deck_that_is_too_large_for_the_memory_is_refused() {
     let out = scratch.path("out");
     let script = format!("ulimit -v 4000000; exec '{PROGRAM}' solve '{deck}' --out '{out}' --threads 1");
     let refused: Run = Command::new("sh").args(["-c", &script]).output().unwrap().into();
-    refused.assert_refused(&["divisions make 1030301 nodes", "about 8 GB of memory"]);
+    refused.assert_refused(&["divisions make 1030301 nodes", "about 19 GB of memory"]);
     assert!(!Path::new(&out).exists(), "nothing was written");
 }
 

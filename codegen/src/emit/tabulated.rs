@@ -7,20 +7,35 @@ use crate::graph::{ExprId, Graph, Op, Scope};
 use crate::interpret::{Interpreter, NodeInputs};
 use crate::model::{ElementSpec, Kernel, Points};
 
-/// Numbers that a table may have: a first-level cache.
-const MOST_NUMBERS: usize = 4096;
+/// Numbers that a table may have: three quarters of a first-level cache.
+const MOST_NUMBERS: usize = 3072;
 
-/// The lowered kernel with such quantities as further numbers of the points.
+/// The lowered kernel with such quantities as further numbers of the points, if that saves operations.
 pub(super) fn tabulated(kernel: Kernel<ElementSpec>) -> Kernel<ElementSpec> {
+    let operations = |kernel: &Kernel<ElementSpec>| {
+        let values = kernel.values.iter().flat_map(|value| value.components.iter().copied());
+        kernel.graph.operations(&values.collect::<Vec<_>>())
+    };
+    // Columns with the numbers that products have may hide what these share.
+    let ways = [false, true].into_iter().filter_map(|with_single| with_columns(&kernel, with_single));
+    let best = ways.min_by_key(operations).filter(|best| operations(best) < operations(&kernel));
+    best.unwrap_or(kernel)
+}
+
+/// The same in any case. `with_single`: also a single number of the points times a constant.
+fn with_columns(kernel: &Kernel<ElementSpec>, with_single: bool) -> Option<Kernel<ElementSpec>> {
     let Points { symbols, rows } = &kernel.spec.signature.points;
     if rows.is_empty() {
-        return kernel;
+        return None;
     }
     let mut found = kernel.clone();
     let mut tabulation = Tabulation {
+        with_single,
         alone: alone(&kernel.graph, symbols),
         graph: &mut found.graph,
         columns: Vec::new(),
+        most: (MOST_NUMBERS / rows.len()).saturating_sub(symbols.len()),
+        taken: names(kernel),
         done: FxHashMap::default(),
     };
     for value in &mut found.values {
@@ -29,17 +44,6 @@ pub(super) fn tabulated(kernel: Kernel<ElementSpec>) -> Kernel<ElementSpec> {
         }
     }
     let columns = tabulation.columns;
-    let operations = |kernel: &Kernel<ElementSpec>| {
-        let values = kernel.values.iter().flat_map(|value| value.components.iter().copied());
-        kernel.graph.operations(&values.collect::<Vec<_>>())
-    };
-    // Columns may hide what products share.
-    if operations(&found) >= operations(&kernel) {
-        return kernel;
-    }
-    if columns.is_empty() || rows.len() * (symbols.len() + columns.len()) > MOST_NUMBERS {
-        return kernel;
-    }
     let whole = |row: &Vec<f64>| {
         let mut inputs = NodeInputs::new(0);
         symbols.iter().zip(row).for_each(|(name, &x)| inputs.set_element(name, x));
@@ -49,14 +53,20 @@ pub(super) fn tabulated(kernel: Kernel<ElementSpec>) -> Kernel<ElementSpec> {
     let rows: Vec<Vec<f64>> = rows.iter().map(whole).collect();
     // Where one is no number the code says so when it runs.
     if rows.iter().flatten().any(|x| !x.is_finite()) {
-        return kernel;
+        return None;
     }
-    let names = columns
-        .iter()
-        .map(|column| found.graph.symbol_data(found.graph.symbol_of(column.symbol)).name.clone());
-    let symbols = symbols.iter().cloned().chain(names).collect();
+    let name = |column: &Column| found.graph.symbol_data(found.graph.symbol_of(column.symbol)).name.clone();
+    let symbols = symbols.iter().cloned().chain(columns.iter().map(name)).collect();
     found.spec.signature.points = Points { symbols, rows };
-    found
+    Some(found)
+}
+
+/// Names of what a kernel may read.
+fn names(kernel: &Kernel<ElementSpec>) -> Vec<String> {
+    let ElementSpec { signature, direction, .. } = &kernel.spec;
+    let inputs = signature.inputs.iter().chain(&signature.nodes).flat_map(|input| input.symbols.iter());
+    let direction = direction.iter().flat_map(|direction| direction.element.iter().chain(&direction.node));
+    inputs.chain(direction).chain(&signature.points.symbols).cloned().collect()
 }
 
 /// Of each expression whether it depends on these symbols alone; nothing of a constant.
@@ -83,9 +93,14 @@ struct Column {
 }
 
 struct Tabulation<'a> {
+    with_single: bool,
     graph: &'a mut Graph,
     alone: Vec<Option<bool>>,
     columns: Vec<Column>,
+    /// So many there may be.
+    most: usize,
+    /// Names of inputs, which a kernel need not have.
+    taken: Vec<String>,
     done: FxHashMap<ExprId, ExprId>,
 }
 
@@ -118,13 +133,13 @@ impl Tabulation<'_> {
         result
     }
 
-    /// Whether factors of a product are of points alone, and more than one number of them.
+    /// Whether factors of a product are of points alone, and more than one number of them unless one is enough.
     fn is_of_points(&self, product: ExprId) -> bool {
         let factors = self.graph.coefficient_and_factors(product).1.into_iter();
         let own: Vec<ExprId> = factors.filter(|&x| self.is_alone(x)).collect();
         match own[..] {
             [] => false,
-            [one] => !matches!(self.graph.op(one), Op::Symbol(_)),
+            [one] => self.with_single || !matches!(self.graph.op(one), Op::Symbol(_)),
             _ => true,
         }
     }
@@ -156,7 +171,12 @@ impl Tabulation<'_> {
                 if let Some(known) = self.columns.iter().find(|column| column.expr == expr) {
                     return known.symbol;
                 }
-                let name = self.graph.unique_name(self.graph.name_of(expr).unwrap_or("of_point"));
+                if self.columns.len() == self.most {
+                    return expr;
+                }
+                let wanted =
+                    self.graph.name_of(expr).filter(|name| !self.taken.iter().any(|taken| taken == name));
+                let name = self.graph.unique_name(wanted.unwrap_or("of_point"));
                 let symbol = self.graph.input(&name, Scope::Element);
                 self.columns.push(Column { expr, symbol });
                 symbol

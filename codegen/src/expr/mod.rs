@@ -195,9 +195,9 @@ impl<'g> Expr<'g> {
         self.map(|g, x| g.substitute_in_formulas(&[x], &values)[0])
     }
 
-    /// The expression with symbols in the place of norms, see [`norms`](crate::graph).
-    pub(crate) fn with_norm_symbols(self) -> Self {
-        self.map(Graph::with_norm_symbols)
+    /// The expression with symbols in the place of norms that change with the variables, see [`Graph::with_norm_symbols`].
+    pub(crate) fn with_norm_symbols(self, variables: &[Self]) -> Self {
+        self.map(|g, x| g.with_norm_symbols(x, &ids(variables)))
     }
 
     /// Whether it is the symbol of a norm, √q of a symbol q.
@@ -283,7 +283,7 @@ impl<'g> Expr<'g> {
         self.with(exponent, Graph::real_power)
     }
 
-    /// √(x² + y²), with derivatives that are finite at the origin wherever the function's are.
+    /// √(x² + y²). Its direction is 0 at the origin, where energies that are smooth have their derivatives all the same.
     #[must_use]
     pub fn hypot(self, other: impl Term<'g>) -> Self {
         self.with(other, Graph::hypot)

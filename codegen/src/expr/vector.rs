@@ -61,7 +61,7 @@ impl<'g, const N: usize> Vector<'g, N> {
         dot(self.0, other.0)
     }
 
-    /// √(x · x), with derivatives that are finite at the origin wherever the function's are.
+    /// √(x · x). Its direction is 0 at the origin, where energies that are smooth have their derivatives all the same.
     #[track_caller]
     pub fn norm(self) -> Expr<'g> {
         match self.0.as_slice() {

@@ -34,7 +34,7 @@ impl Graph {
 
     /// ∂`expr`/∂`symbol` as formulas have it: by the chain rule through the quantities that they define.
     pub(crate) fn derivative_of_formula(&mut self, expr: ExprId, symbol: SymbolId) -> ExprId {
-        let expr = self.written_out(&[expr], Some(symbol), false)[0];
+        let expr = self.written_out(&[expr], Some(symbol), &[])[0];
         // By a symbol of a node a sum within a sum changes the terms of all nodes.
         if self.symbol_data(symbol).scope == Scope::Node
             && let Some(inner) = self.sum_within_sum(expr)

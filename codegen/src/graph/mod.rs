@@ -152,7 +152,7 @@ pub enum Op {
     Atan2(ExprId, ExprId),
     /// xʸ for x > 0
     RealPower(ExprId, ExprId),
-    /// √(x² + y²), with derivatives that are finite at the origin wherever the function's are
+    /// √(x² + y²), whose direction at the origin is 0
     Hypot(ExprId, ExprId),
     /// xᵏ with an exact integer k
     Power(ExprId, i32),
@@ -247,7 +247,7 @@ pub struct Graph {
     symbol_names: FxHashMap<String, SymbolId>,
     /// Bound symbols that formulas are differentiated through while they are written.
     quantities: FxHashSet<SymbolId>,
-    /// Symbols that stand for norms, by these, and by themselves with those made of them.
+    /// Symbols that stand for norms, by norm; and these with the ones that were made in their place.
     norm_symbols: FxHashMap<ExprId, ExprId>,
     norms: FxHashSet<SymbolId>,
     /// Whether inputs that others are divided by may be zero.

@@ -3,15 +3,37 @@
 //! A function that is smooth where a norm is zero has ∂f/∂n = 0 there, and ∂f/∂q = (∂f/∂n)/(2 n) has a limit, ½ ∂²f/∂n². Rules that look at
 //! one operation at a time cannot know it: they have the direction of the norm, which is 0 there. The chain rule through n and q does.
 
+use rustc_hash::FxHashSet;
+
 use super::{ExprId, Graph, Op, Scope};
 use crate::table::Table;
 
+/// Norms that become symbols, and what has been rebuilt with these.
+struct Replaced {
+    meant: FxHashSet<ExprId>,
+    done: Table<ExprId, ExprId>,
+}
+
 impl Graph {
-    /// The expression with such symbols in the place of norms of the element. Powers and polynomials of norms, and what is divided by one, stay:
-    /// they have rules of their own. Definitions and conditions are not entered.
-    pub(crate) fn with_norm_symbols(&mut self, expr: ExprId) -> ExprId {
-        let mut done = Table::default();
-        self.norms_replaced(expr, &mut done)
+    /// The expression with such symbols in the place of norms of the element that change with one of the variables. Powers of norms, polynomials that
+    /// are smooth where the norm is zero, and what is divided by one, stay: they have rules of their own. So do norms that a choice leaves out where
+    /// they may have infinite derivatives. Definitions and conditions are not entered.
+    pub(crate) fn with_norm_symbols(&mut self, expr: ExprId, variables: &[ExprId]) -> ExprId {
+        let all = self.reachable(expr, Self::operands);
+        let left_out = self.left_out(&[expr]);
+        let is_meant = |g: &Self, x: ExprId| {
+            matches!(g.op(x), Op::Hypot(..))
+                && g.scope(x) == Scope::Element
+                && g.changes_with(x, variables)
+                && (!left_out.contains(&x) || g.is_smooth(x))
+        };
+        let meant = all.into_iter().filter(|&x| is_meant(self, x)).collect();
+        self.norms_replaced(expr, &mut Replaced { meant, done: Table::default() })
+    }
+
+    /// Whether an expression changes with one of these symbols, also through what is bound.
+    pub(crate) fn changes_with(&self, expr: ExprId, symbols: &[ExprId]) -> bool {
+        self.reachable(expr, Self::varying_dependencies).iter().any(|x| symbols.contains(x))
     }
 
     /// Whether it is the symbol n of a norm. Its definition is √q with the symbol q.
@@ -29,30 +51,36 @@ impl Graph {
         other
     }
 
-    fn norms_replaced(&mut self, expr: ExprId, done: &mut Table<ExprId, ExprId>) -> ExprId {
-        if let Some(&known) = done.get(&expr) {
+    fn norms_replaced(&mut self, expr: ExprId, replaced: &mut Replaced) -> ExprId {
+        if let Some(&known) = replaced.done.get(&expr) {
             return known;
         }
         let op = self.op(expr);
         let result = match op {
-            Op::Power(base, _) | Op::Polynomial(base, _) if self.has_norm(base) => expr,
-            Op::Hypot(..) => self.hypot_replaced(expr, done),
+            Op::Power(base, _) if self.has_norm(base) => expr,
+            Op::Polynomial(base, polynomial)
+                if self.has_norm(base)
+                    && self.polynomial_data(polynomial).derivative().over_x().is_some() =>
+            {
+                expr
+            }
+            Op::Hypot(..) => self.hypot_replaced(expr, replaced),
             Op::Sum(_) | Op::Row(_) | Op::Column(_) => expr,
             _ => {
                 let operands = self.operands(expr);
                 // Of a choice the last two.
                 let first = if matches!(op, Op::Select { .. }) { 2 } else { 0 };
                 let is_divisor = |place: usize| matches!(op, Op::DivOrZero(..)) && place == 1;
-                let replaced: Vec<ExprId> = operands
+                let rebuilt: Vec<ExprId> = operands
                     .iter()
                     .enumerate()
-                    .map(|(place, &x)| match self.op(x) {
+                    .map(|(place, &x)| match x {
                         _ if place < first || is_divisor(place) => x,
-                        Op::Hypot(..) if self.scope(x) == Scope::Element => self.norm_symbol(x, done),
-                        _ => self.norms_replaced(x, done),
+                        _ if replaced.meant.contains(&x) => self.norm_symbol(x, replaced),
+                        _ => self.norms_replaced(x, replaced),
                     })
                     .collect();
-                if replaced == operands { expr } else { self.made(op, &replaced) }
+                if rebuilt == operands { expr } else { self.made(op, &rebuilt) }
             }
         };
         if result != expr
@@ -60,27 +88,27 @@ impl Graph {
         {
             self.name(result, &name);
         }
-        done.insert(expr, result);
+        replaced.done.insert(expr, result);
         result
     }
 
     /// The norm with such symbols in its components.
-    fn hypot_replaced(&mut self, norm: ExprId, done: &mut Table<ExprId, ExprId>) -> ExprId {
+    fn hypot_replaced(&mut self, norm: ExprId, replaced: &mut Replaced) -> ExprId {
         let components = self.norm_components(norm);
-        let replaced: Vec<ExprId> = components.iter().map(|&x| self.norms_replaced(x, done)).collect();
-        if replaced == components {
+        let rebuilt: Vec<ExprId> = components.iter().map(|&x| self.norms_replaced(x, replaced)).collect();
+        if rebuilt == components {
             return norm;
         }
         let zero = self.zero();
-        replaced.into_iter().reduce(|norm, x| self.hypot(norm, x)).unwrap_or(zero)
+        rebuilt.into_iter().reduce(|norm, x| self.hypot(norm, x)).unwrap_or(zero)
     }
 
-    fn norm_symbol(&mut self, norm: ExprId, done: &mut Table<ExprId, ExprId>) -> ExprId {
+    fn norm_symbol(&mut self, norm: ExprId, replaced: &mut Replaced) -> ExprId {
         if let Some(&known) = self.norm_symbols.get(&norm) {
             return known;
         }
         let name = self.name_of(norm).unwrap_or("norm").to_owned();
-        let whole = self.hypot_replaced(norm, done);
+        let whole = self.hypot_replaced(norm, replaced);
         let square = self.power(whole, 2);
         let square = self.bind_unique(&format!("{name}_squared"), square);
         let root = self.sqrt(square);

@@ -11,12 +11,13 @@ use super::{ExprId, Function, Graph, Op, SymbolId};
 
 impl Graph {
     /// Expressions with formulas in the place of such quantities, for all of them together. Formulas keep the names. Unknowns of equations
-    /// stay symbols, and so does `kept`. `with_second`: whether second derivatives will be taken, so that norms matter.
+    /// stay symbols, and so does `kept`. `variables`: what second derivatives will be taken by, if any
+    /// will, so that norms matter.
     pub(crate) fn written_out(
         &mut self,
         exprs: &[ExprId],
         kept: Option<SymbolId>,
-        with_second: bool,
+        variables: &[ExprId],
     ) -> Vec<ExprId> {
         if !self.has_quantities() {
             return exprs.to_vec();
@@ -34,7 +35,7 @@ impl Graph {
             let symbol = self.symbol_of(quantity);
             let Some(before) = self.symbol_data(symbol).definition else { continue };
             let definition = self.substitute(before, &replacements);
-            let is_lost = with_second && self.is_made_of_a_norm(definition)
+            let is_lost = self.is_made_of_a_norm(definition, variables)
                 || self.has_norm(definition)
                 || left_out.contains(&quantity) && !self.is_smooth(definition);
             if definition == before && !is_lost {
@@ -84,8 +85,10 @@ impl Graph {
         })
     }
 
-    fn is_made_of_a_norm(&self, expr: ExprId) -> bool {
-        self.reachable(expr, Self::operands).into_iter().any(|x| matches!(self.op(x), Op::Hypot(..)))
+    fn is_made_of_a_norm(&self, expr: ExprId, variables: &[ExprId]) -> bool {
+        let norms =
+            self.reachable(expr, Self::operands).into_iter().filter(|&x| matches!(self.op(x), Op::Hypot(..)));
+        norms.into_iter().any(|norm| self.changes_with(norm, variables))
     }
 
     /// Whether it is made of operations alone, and of no unknowns of equations.

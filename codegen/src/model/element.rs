@@ -142,7 +142,8 @@ impl<'g> ElementModel<'g> {
 
     /// An intermediate quantity, such as a deformation gradient: its name appears in the code, and derivatives go through it by the
     /// chain rule. Values are the same without; operations may be fewer with it. A quantity of a node gets its name only, and so do those
-    /// through which derivatives would be lost: norms, and what a choice leaves out where it has infinite derivatives.
+    /// through which derivatives would be lost: what is made of norms, in an energy, and what a choice leaves out where it has infinite
+    /// derivatives.
     #[must_use]
     pub fn define<Q: Quantity<'g>>(&self, name: &str, quantity: Q) -> Q {
         self.check_name(name);
@@ -205,8 +206,16 @@ impl<'g> ElementModel<'g> {
     }
 
     /// Expressions with formulas in the place of quantities through which they would lose derivatives.
-    pub(super) fn written_out(&self, exprs: Vec<Expr<'g>>, with_second: bool) -> Vec<Expr<'g>> {
-        self.sheet.exprs(self.sheet.edit(|g| g.written_out(&ids(&exprs), None, with_second)))
+    pub(super) fn written_out(&self, exprs: Vec<Expr<'g>>, variables: &[ExprId]) -> Vec<Expr<'g>> {
+        self.sheet.exprs(self.sheet.edit(|g| g.written_out(&ids(&exprs), None, variables)))
+    }
+
+    /// What derivatives are taken by, so far.
+    fn variables(&self) -> Vec<ExprId> {
+        let (inputs, nodes) = (self.inputs.borrow(), self.nodes.borrow());
+        let variables = inputs.iter().chain(nodes.iter()).filter(|input| input.role == Role::Variable);
+        let symbol = |name: &String| self.sheet.input_once(name, Scope::Element).id();
+        variables.flat_map(|input| &input.symbols).map(symbol).collect()
     }
 
     fn symbol_of_sum(&self, sum: Expr<'g>) -> ExprId {
@@ -309,7 +318,8 @@ impl<'g> ElementModel<'g> {
         let entries = quantity.entries().into_iter().map(|x| self.with_bound_sums(x, &[])).collect();
         let entries = match differentiated {
             Differentiated::Not => entries,
-            differentiated => self.written_out(entries, differentiated == Differentiated::Twice),
+            Differentiated::Once => self.written_out(entries, &[]),
+            Differentiated::Twice => self.written_out(entries, &self.variables()),
         };
         outputs.push((Returned { name, doc, dimensions, differentiated }, entries));
     }

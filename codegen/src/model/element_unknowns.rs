@@ -222,7 +222,7 @@ impl<'g> ElementModel<'g> {
         let function = function(unknowns);
         self.check_sought(&[function], &unknowns.0);
         let function = if function.scope() == Scope::Node { function.sum() } else { function };
-        let function = self.written_out(vec![self.with_bound_sums(function, &unknowns.0)], false)[0];
+        let function = self.written_out(vec![self.with_bound_sums(function, &unknowns.0)], &[])[0];
         // What a sum is multiplied by with it may be free of unknowns now.
         let equations = unknowns.map(|u| self.with_bound_sums(function.by(u), &unknowns.0));
         let lower: Vec<Vec<Expr<'g>>> =
@@ -257,7 +257,7 @@ impl<'g> ElementModel<'g> {
     }
 
     fn vector_written_out<const N: usize>(&self, vector: Vector<'g, N>) -> Vector<'g, N> {
-        let entries = self.written_out(vector.to_vec(), false);
+        let entries = self.written_out(vector.to_vec(), &[]);
         Vector::from_fn(|k| entries[k])
     }
 

@@ -68,7 +68,7 @@ impl<'g> Expansion<'g> {
                 let mut row = Row::new();
                 match square_of_norm(v, below) {
                     // √q
-                    Some(place) => insert(&mut row, place, 0.5 * v.symbol.reciprocal_or_zero()),
+                    Some(place) => insert(&mut row, place, slope_of_norm(v.symbol)),
                     None => {
                         below.iter().enumerate().for_each(|(j, &z)| insert(&mut row, j, v.definition.by(z)));
                     }
@@ -325,6 +325,14 @@ pub(super) fn square_of_norm(v: &Intermediate<'_>, below: &[Expr<'_>]) -> Option
     }
 }
 
+/// Norms below are zero: the square of their reciprocal overflows.
+const NO_NORM: f64 = 1e-150;
+
+/// ∂n/∂q of n = √q, 0 where it is zero.
+pub(super) fn slope_of_norm(norm: Expr<'_>) -> Expr<'_> {
+    norm.sheet().number(NO_NORM).less(norm).select(0.5 * norm.reciprocal_or_zero(), 0.0)
+}
+
 /// a/n for the derivative a by a norm n. Where the norm is zero it is the limit, ∂a/∂n, held; without one 0.
 pub(super) fn ratio_to_norm<'g>(adjoint: Expr<'g>, norm: Expr<'g>, limit: Option<Expr<'g>>) -> Expr<'g> {
     let sheet = norm.sheet();
@@ -334,7 +342,7 @@ pub(super) fn ratio_to_norm<'g>(adjoint: Expr<'g>, norm: Expr<'g>, limit: Option
             Some(_) => limit,
             None => sheet.make(|g| g.bind_held("limit", limit.id())),
         };
-        sheet.zero().less(norm).select(or_zero, limit)
+        sheet.number(NO_NORM).less(norm).select(or_zero, limit)
     })
 }
 

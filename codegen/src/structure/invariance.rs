@@ -45,7 +45,7 @@ pub fn total_derivatives<'g>(
     nodes: &[NodeVectors],
     with_hessian: bool,
 ) -> Derivatives<'g> {
-    let with_norms = if with_hessian { function.with_norm_symbols() } else { function };
+    let with_norms = if with_hessian { function.with_norm_symbols(variables) } else { function };
     let writings = writings(sheet, with_norms, variables, nodes);
     let cheapest = writings.iter().flat_map(|writing| {
         let ways = writing.ways(with_hessian);
@@ -79,7 +79,7 @@ pub fn hessian_product<'g>(
     nodes: &[NodeVectors],
 ) -> Vec<Expr<'g>> {
     let rates = || variables.iter().copied().zip(direction.iter().copied());
-    let with_norms = function.with_norm_symbols();
+    let with_norms = function.with_norm_symbols(variables);
     let has_norms = with_norms != function;
     let writings = writings(sheet, with_norms, variables, nodes);
     let forward_over_reverse = writings.iter().map(|writing| {

@@ -26,7 +26,7 @@ use std::collections::btree_map::Entry;
 use rustc_hash::{FxHashMap, FxHashSet};
 
 use super::definition::Intermediate;
-use super::expansion::{ratio_to_norm, square_of_norm};
+use super::expansion::{ratio_to_norm, slope_of_norm, square_of_norm};
 use crate::expr::{Expr, Sheet, System, dot};
 use crate::graph::{ExprId, Graph, Op};
 
@@ -131,7 +131,10 @@ pub fn node_derivatives<'g>(
     implicit: &[Implicit<'g>],
     asked: Asked,
 ) -> Result<NodeDerivatives<'g>, NoSum> {
-    let with_norms = if asked == Asked::First { function } else { function.with_norm_symbols() };
+    let with_norms = match asked {
+        Asked::First => function,
+        _ => function.with_norm_symbols(&[element, node].concat()),
+    };
     let found = derivatives_of(with_norms, (element, node), implicit, asked != Asked::First)?;
     if asked != Asked::Second || with_norms == function {
         return Ok(found);
@@ -444,7 +447,7 @@ impl<'g> Expansion<'g> {
         if !variables.with_second {
             return;
         }
-        let slope = 0.5 * norm.reciprocal_or_zero();
+        let slope = slope_of_norm(norm);
         add(&mut self.second, (place, place), -(ratio * (slope * slope)));
         let b = vec![vec![zero; variables.node.len()]];
         let slopes = BTreeMap::from([(place, vec![slope])]);

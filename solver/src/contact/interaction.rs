@@ -15,7 +15,7 @@ use super::fallbacks::Fallbacks;
 use super::friction::FrictionHistory;
 use super::losses::is_failure;
 use super::node_pass::NodePass;
-use super::pass::{NodalForces, Pass, PassError};
+use super::pass::{Bodies, NodalForces, Pass, PassError};
 use super::penetration::Penetration;
 use super::{Augmentation, ContactError, Integration, InteractionOptions, LostContact, Way};
 use crate::model::sorted;
@@ -412,11 +412,11 @@ impl Interaction {
         self.passes.iter_mut().for_each(|pass| pass.lasts(duration));
     }
 
-    /// From here on the open slaves of these parts that are nearest to the master push with ε g. Their tangent is that of contact, and
+    /// From here on the open slaves of these bodies that are nearest to the master push with ε g. Their tangent is that of contact, and
     /// minus their force would pull them onto the master.
-    pub(super) fn suppose(&mut self, parts: &[Vec<bool>]) {
+    pub(super) fn suppose(&mut self, bodies: &Bodies) {
         for (pass, size) in self.passes.iter_mut().zip(&self.sizes) {
-            let supposed = parts.iter().fold(Vec::new(), |all, part| pass.supposed(part, *size, all));
+            let supposed = pass.supposed(bodies, *size);
             let mut multipliers =
                 if supposed.is_empty() { pass.state().multipliers.clone() } else { supposed };
             std::mem::swap(&mut pass.state_mut().multipliers, &mut multipliers);

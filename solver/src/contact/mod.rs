@@ -34,6 +34,7 @@ pub use operator::{ContactOperator, ContactTangent};
 pub use options::{
     Augmentation, Coefficient, Friction, Integration, InteractionOptions, RefreshRule, TangentRule,
 };
+pub(crate) use pass::Bodies;
 pub use pass::NodalForces;
 pub use penetration::Penetration;
 pub use resultant::Resultant;
@@ -162,17 +163,13 @@ impl ContactSet {
     }
 
     /// Evaluates the contacts as if open slaves touched, so that a part that only contact can hold is held. They push with ε g until
-    /// [`recall`](Self::recall), which is due even after an error. `parts`: the nodes of each part that is to be held. Of its slaves, and
-    /// of those that face it, the ones nearest to their masters are meant, and none farther away than the size of its facets.
+    /// [`recall`](Self::recall), which is due even after an error. Of the slaves of each body that is to be held, and of those that face
+    /// it, the ones nearest to their masters are meant, and none farther away than the size of its facets.
     ///
     /// # Errors
     /// [`ContactError::Interface`].
-    pub(crate) fn suppose(
-        &mut self,
-        positions: &[[f64; 3]],
-        parts: &[Vec<bool>],
-    ) -> Result<(), ContactError> {
-        self.interactions.iter_mut().for_each(|interaction| interaction.suppose(parts));
+    pub(crate) fn suppose(&mut self, positions: &[[f64; 3]], bodies: &Bodies) -> Result<(), ContactError> {
+        self.interactions.iter_mut().for_each(|interaction| interaction.suppose(bodies));
         self.evaluate(positions, Mode::Hessian)
     }
 
@@ -183,6 +180,11 @@ impl ContactSet {
     pub(crate) fn recall(&mut self, positions: &[[f64; 3]]) -> Result<(), ContactError> {
         self.interactions.iter_mut().for_each(Interaction::recall);
         self.evaluate(positions, Mode::Hessian)
+    }
+
+    /// Whether there are any interactions.
+    pub(crate) fn are_none(&self) -> bool {
+        self.interactions.is_empty()
     }
 
     /// From here on without any friction, or with it again; the next evaluation sees it.

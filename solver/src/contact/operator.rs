@@ -13,13 +13,13 @@ pub enum ContactTangent {
     /// All of it is assembled.
     #[default]
     Assembled,
-    /// ε N Nᵀ is assembled, for the preconditioner, too; the rest of the exact tangent, −f M, is an operator: no M is ever made.
+    /// ε N Nᵀ is assembled, for the preconditioner, too; the rest of the exact tangent, −f M and friction, is an operator: no M is ever made.
     Operator,
 }
 
 named!(ContactTangent { Assembled => "assembled", Operator => "operator" });
 
-/// −f M of all contacts that carry force.
+/// −f M of all contacts that carry force, and what friction adds.
 #[derive(Debug)]
 pub struct ContactOperator {
     /// One for each pass. They keep what a product works with, so that products change them.

@@ -1,5 +1,7 @@
 //! What an interaction does with each of its passes, whatever contact is integrated over.
 
+use std::collections::BTreeMap;
+
 use diffuse_contact::Mode;
 use diffuse_contact::Point;
 use diffuse_contact::assembly::{AssemblyError, ContactLaw, DofMap, Tangent, TangentOperator};
@@ -120,6 +122,33 @@ const NEAR: f64 = 0.1;
 /// Added to the gap of a slave that is supposed to touch, over the facets' size: without any force it would not count.
 const LITTLE: f64 = 1e-12;
 
+/// Bodies that contact is supposed to hold, by node.
+pub struct Bodies {
+    of_node: Vec<u32>,
+}
+
+impl Bodies {
+    /// The nodes of each of them; of a node in two the first counts.
+    pub fn new<'a>(nodes: usize, bodies: impl IntoIterator<Item = (usize, &'a [usize])>) -> Self {
+        let mut of_node = vec![u32::MAX; nodes];
+        for (body, own) in bodies {
+            for &node in own {
+                of_node[node] = of_node[node].min(body as u32);
+            }
+        }
+        Self { of_node }
+    }
+
+    /// All nodes as one.
+    pub fn whole(nodes: usize) -> Self {
+        Self { of_node: vec![0; nodes] }
+    }
+
+    fn of(&self, node: usize) -> Option<usize> {
+        Some(self.of_node[node] as usize).filter(|&body| body != u32::MAX as usize)
+    }
+}
+
 /// One side's surface against the other's.
 pub trait Pass: std::fmt::Debug {
     /// What every pass has.
@@ -192,25 +221,38 @@ pub trait Pass: std::fmt::Debug {
     /// How what slaves are over is found.
     fn finder(&self) -> Finder<'_>;
 
-    /// Multipliers by which the open slaves of a part, and those that face it, push with ε g, if they are nearest to the master and not
-    /// farther than `size`; `others` or its own for other slaves. Empty if there are none, and no `others`.
-    fn supposed(&self, part: &[bool], size: f64, others: Vec<f64>) -> Vec<f64> {
-        let faces_part = self.master().nodes().iter().any(|&node| part[node as usize]);
-        let gap = |slave: &SlaveState| {
-            let is_open = slave.force == 0.0 && !slave.is_held && (faces_part || part[slave.node]);
-            slave.gap.filter(|_| is_open)
-        };
-        let least = self.slaves().filter_map(|slave| gap(&slave)).fold(size, f64::min);
-        let mut multipliers = others;
-        for (k, slave) in self.slaves().enumerate() {
-            let Some(gap) = gap(&slave).filter(|&gap| gap < (least + NEAR * size).min(size)) else {
-                continue;
-            };
-            if multipliers.is_empty() {
-                multipliers.extend_from_slice(&self.state().multipliers);
-                multipliers.resize(self.slave_count(), 0.0);
+    /// Multipliers by which the open slaves of each body, and those that face it, push with ε g, if they are nearest to the master and not
+    /// farther than `size`; its own for other slaves. Empty if there are none.
+    fn supposed(&self, bodies: &Bodies, size: f64) -> Vec<f64> {
+        let open: Vec<(usize, SlaveState, f64)> = self
+            .slaves()
+            .enumerate()
+            .filter(|(_, slave)| slave.force == 0.0 && !slave.is_held)
+            .filter_map(|(k, slave)| slave.gap.map(|gap| (k, slave, gap)))
+            .collect();
+        let mut groups: BTreeMap<usize, Vec<usize>> = BTreeMap::new();
+        if self.master().nodes().iter().any(|&node| bodies.of(node as usize).is_some()) {
+            // They face one of the bodies, whichever it is.
+            groups.insert(usize::MAX, (0..open.len()).collect());
+        }
+        for (place, (_, slave, _)) in open.iter().enumerate() {
+            if let Some(body) = bodies.of(slave.node) {
+                groups.entry(body).or_default().push(place);
             }
-            multipliers[k] = self.multiplier_of(&slave, 2.0 * gap + LITTLE * size);
+        }
+        let mut multipliers = Vec::new();
+        for places in groups.values() {
+            let least = places.iter().map(|&place| open[place].2).fold(size, f64::min);
+            for (k, slave, gap) in places.iter().map(|&place| &open[place]) {
+                if !(*gap < (least + NEAR * size).min(size)) {
+                    continue;
+                }
+                if multipliers.is_empty() {
+                    multipliers.extend_from_slice(&self.state().multipliers);
+                    multipliers.resize(self.slave_count(), 0.0);
+                }
+                multipliers[*k] = self.multiplier_of(slave, 2.0 * gap + LITTLE * size);
+            }
         }
         multipliers
     }

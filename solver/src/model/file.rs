@@ -13,11 +13,14 @@ use super::{Cells, ModelError, Part, sorted};
 /// plane or on an axis, cavities, and elements of one's own.
 const NO_SOLIDS: &[&str] = &[
     "MASS", "ROTARYI", "HEATCAP", "SPRING", "DASHPOT", "CONN", "DCOUP", "JOINT", "GAP", "ITS", "ITT", "IRS",
-    "ISL", "DRAG", "S3", "S4", "S8", "S9", "STRI", "SAX", "SFM", "DS", "M3D", "MAX", "MGAX", "MCL", "R2D",
-    "R3D", "RAX", "RB", "B2", "B3", "PIPE", "ELBOW", "FRAME", "T2D", "T3D", "CPE", "CPS", "CAX", "CGAX",
-    "COH2D", "COHAX", "CINP", "CINAX", "AC1D", "AC2D", "ACAX", "ACIN", "DC1D", "DC2D", "DCAX", "DCC1D",
-    "DCC2D", "DCCAX", "F2D", "F3D", "FAX", "FLINK", "U", "WARP",
+    "ISL", "DRAG", "S3", "S4", "S6", "S8", "S9", "STRI", "SAX", "SFM", "DS", "M3D", "MAX", "MGAX", "MCL",
+    "R2D", "R3D", "RAX", "RB", "B2", "B3", "PIPE", "ELBOW", "FRAME", "T2D", "T3D", "CPE", "CPS", "CAX",
+    "CGAX", "COH2D", "COHAX", "CINP", "CINAX", "AC1D", "AC2D", "ACAX", "ACIN", "DC1D", "DC2D", "DCAX",
+    "DCC1D", "DCC2D", "DCCAX", "F2D", "F3D", "FAX", "FLINK", "U", "WARP",
 ];
+
+/// Of those, types without stiffness.
+const NO_STIFFNESS: &[&str] = &["MASS", "ROTARYI", "HEATCAP"];
 
 /// Whether it may be a solid: a type that is not known to be something else.
 fn may_be_solid(kind: &str) -> bool {
@@ -86,6 +89,12 @@ fn solid_part(mesh: &Mesh, elements: Option<&str>) -> Result<Part, ModelError> {
     let unread_constraints =
         mesh.unread_constraints().iter().filter(|constraint| holds(&element_sets, constraint));
     let unread_constraints = unread_constraints.cloned().collect();
+    let mut unread_elements = BTreeMap::new();
+    for mesh::UnreadElement { kind, .. } in mesh.unread_elements() {
+        if !may_be_solid(kind) && !NO_STIFFNESS.iter().any(|begin| kind.starts_with(begin)) {
+            *unread_elements.entry(kind.clone()).or_default() += 1;
+        }
+    }
     let node_labels = part.nodes.iter().map(|&node| mesh.node_tags()[node]).collect();
     Ok(Part {
         elements,
@@ -94,6 +103,7 @@ fn solid_part(mesh: &Mesh, elements: Option<&str>) -> Result<Part, ModelError> {
         surfaces,
         inner_facets,
         unread_constraints,
+        unread_elements,
         node_labels,
         ..part.into_part(mesh)
     })

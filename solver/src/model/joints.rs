@@ -1,9 +1,9 @@
 //! What a mesh file joins and a model does not, in sentences.
 
-use std::collections::{HashMap, HashSet};
+use std::collections::{BTreeMap, HashMap, HashSet};
 
 use diffuse_contact_mesh::UnreadConstraint;
-use diffuse_contact_mesh::names::shown;
+use diffuse_contact_mesh::names::{list, shown};
 
 use super::Part;
 
@@ -29,6 +29,17 @@ pub(super) fn unread_constraints(part: &str, constraints: &[UnreadConstraint]) -
         shown(part),
         named.join(", ")
     ))
+}
+
+/// Elements of a part's mesh file that carry something.
+pub(super) fn unread_elements(part: &str, elements: &BTreeMap<String, usize>) -> Option<String> {
+    let kinds = list(elements.iter().map(|(kind, count)| format!("{count} of type {}", shown(kind))));
+    (!elements.is_empty()).then(|| {
+        format!(
+            "part `{}`: elements of its mesh file are not read: {kinds}; what they carry or hold is missing",
+            shown(part)
+        )
+    })
 }
 
 /// Nodes of a part's elements at the very same place.

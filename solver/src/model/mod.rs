@@ -105,6 +105,7 @@ impl Model {
         let first = self.nodes.len();
         let bodies = materials::bodies(name, &part, &materials, first)?;
         self.warnings.extend(joints::unread_constraints(name, &part.unread_constraints));
+        self.warnings.extend(joints::unread_elements(name, &part.unread_elements));
         self.warnings.extend(joints::seams(name, &part));
         let whole = part.outside();
         self.node_sets.insert(name.into(), (first..count).collect());

@@ -37,6 +37,8 @@ pub struct Part {
     pub inner_facets: BTreeMap<String, usize>,
     /// Constraints between nodes that the mesh file has: they are not kept.
     pub unread_constraints: Vec<UnreadConstraint>,
+    /// Types of springs, beams and the like that the mesh file has and nothing reads, and how many elements there are of each.
+    pub unread_elements: BTreeMap<String, usize>,
     /// The numbers of its nodes in the mesh file; none if there is no file or the part is rigid.
     pub node_labels: Vec<u64>,
 }

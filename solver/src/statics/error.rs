@@ -52,9 +52,15 @@ pub enum StaticsError {
     Observer(Box<dyn std::error::Error + Send + Sync>),
 }
 
+/// Parts that a message names.
+const MOST: usize = 5;
+
 /// A clause for each part, and what may help.
 fn all(loose: &[Loose]) -> String {
-    let parts: String = loose.iter().map(|loose| format!("{loose}; ")).collect();
+    let mut parts: String = loose.iter().take(MOST).map(|loose| format!("{loose}; ")).collect();
+    if loose.len() > MOST {
+        parts += &format!("nothing holds {} more parts; ", loose.len() - MOST);
+    }
     let help = "a `boundary` can hold it, a master closer than a facet's size, or, where no load acts along that, \
                 `newton.stabilisation`; ";
     if parts.is_empty() { parts } else { parts + help }

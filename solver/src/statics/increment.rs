@@ -18,6 +18,8 @@ const PREDICTION: f64 = 1e-6;
 /// contact take as many Newton steps as with factors, for penalties a hundred times apart, over nodes and faces; ten times looser some take more.
 const LOOSEST: f64 = 1e-4;
 const TIGHTEST: f64 = 1e-9;
+/// How far a loaded part may be from equilibrium, over the forces on it.
+const OF_A_PART: f64 = 1e-3;
 /// How often a step that turns an element inside out, or takes contacts their elements, is halved.
 const HALVINGS: usize = 8;
 
@@ -35,6 +37,8 @@ pub struct Increment<'a> {
     step: f64,
     /// The size of the right-hand side of the last Newton step, if its solution was iterative.
     size: Option<f64>,
+    /// Whether the last state was in equilibrium as a whole, and a part of it was not.
+    is_balanced: bool,
     rounds: Rounds,
     cycle: Cycle,
 }
@@ -84,6 +88,7 @@ impl<'a> Increment<'a> {
             iterations: 0,
             step: 0.0,
             size: None,
+            is_balanced: false,
             rounds: Rounds::default(),
             cycle: Cycle::default(),
         }
@@ -113,7 +118,9 @@ impl<'a> Increment<'a> {
         self.rounds.iterations = 1;
         loop {
             self.record(balance, observer)?;
-            if balance.excess <= self.allowed(balance) {
+            let is_balanced = balance.excess <= self.allowed(balance);
+            let of_parts = if is_balanced { self.problem.worst_part() } else { 0.0 };
+            if is_balanced && of_parts <= OF_A_PART {
                 self.check_losses()?;
                 if self.augment(observer)? {
                     let before = (self.committed.increments > 0).then_some(&self.committed.positions[..]);
@@ -126,12 +133,13 @@ impl<'a> Increment<'a> {
                 self.rounds.iterations,
                 newton.max_iterations,
             ) {
-                let residual = balance.residual / balance.scale;
+                let residual = (balance.residual / balance.scale).max(of_parts);
                 let left = self.over_border();
                 return Err(Failure::Iterations { residual, iterations: self.iterations, left });
             } else {
                 self.check_cycle(balance)?;
             }
+            self.is_balanced = is_balanced && of_parts > OF_A_PART;
             balance = self.iterate()?;
             self.rounds.iterations += 1;
         }
@@ -243,6 +251,7 @@ impl<'a> Increment<'a> {
             Ok(balance) => Ok(Some(balance)),
             Err(Failure::Inverted(_)) => {
                 self.positions.copy_from_slice(&self.committed.positions);
+                self.problem.refresh(RefreshRule::Iteration, &self.positions)?;
                 Ok(None)
             }
             Err(failure) => Err(failure),
@@ -318,8 +327,11 @@ impl<'a> Increment<'a> {
             self.step *= line_search(before, after, |s| {
                 is_whole = false;
                 self.advance(&origin, &step, s * full);
-                self.evaluate(Order::Residual)?;
-                Ok::<f64, Failure>(slope(self.problem))
+                match self.evaluate(Order::Residual) {
+                    Ok(_) => Ok::<f64, Failure>(slope(self.problem)),
+                    Err(Failure::Inverted(_)) => Ok(f64::NAN),
+                    Err(failure) => Err(failure),
+                }
             })?;
         }
         if std::mem::take(&mut self.cycle.halves) {
@@ -376,6 +388,10 @@ impl<'a> Increment<'a> {
     /// How accurate an iterative solution of a Newton step is: a residual that shrinks with the square of what the last step gained keeps
     /// the convergence quadratic. Less than a tenth of what is allowed in equilibrium is of no use.
     fn forcing(&self) -> Accuracy {
+        if self.is_balanced {
+            // As a whole, but not each part: what is allowed of the whole says nothing.
+            return Accuracy::between(LOOSEST, TIGHTEST).after(self.size);
+        }
         let enough = self.history.last().map_or(0.0, |last| 0.1 * last.allowed / last.residual);
         let tightest = if enough.is_finite() { enough.clamp(TIGHTEST, 0.1) } else { LOOSEST };
         Accuracy::between(LOOSEST.max(tightest), tightest).after(self.size)

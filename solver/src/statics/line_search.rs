@@ -22,6 +22,10 @@ pub fn line_search<E>(start: f64, full: f64, mut slope: impl FnMut(f64) -> Resul
     for _ in 0..TRIES {
         let s = (low - low_slope * (high - low) / (high_slope - low_slope)).max(SHORTEST);
         let found = slope(s)?;
+        // There is no state there.
+        if !found.is_finite() {
+            break;
+        }
         if found.abs() < best.1 {
             best = (s, found.abs());
         }

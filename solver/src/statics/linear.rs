@@ -1,5 +1,6 @@
 //! The linear step of an iteration, and what is done where the stiffness is singular.
 
+use std::collections::HashMap;
 use std::sync::Arc;
 use std::time::Instant;
 
@@ -7,7 +8,7 @@ use diffuse_contact::assembly::Tangent;
 
 use super::loose::{Loose, loose_parts};
 use super::{Failure, LinearEffort, Problem};
-use crate::contact::ContactOperator;
+use crate::contact::{Bodies, ContactOperator};
 use crate::system::{
     Accuracy, BlockMatrix, BlockPattern, Geometry, LinearReport, LinearSystem, Operator, SavedRows, Symmetry,
     SystemError,
@@ -22,7 +23,7 @@ pub(super) struct Assembled {
     /// What contact adds to it without being assembled.
     operator: Option<ContactOperator>,
     symmetry: Symmetry,
-    /// Rows of the nodes that contact couples without it, if the solution is iterative.
+    /// Rows of the nodes that contact couples without it, if the solution may be iterative.
     before: SavedRows,
     imbalance: Vec<f64>,
 }
@@ -79,7 +80,7 @@ impl Problem {
             return solved.map_err(|error| Failure::of_system(error, Vec::new()));
         }
         let mut loose = self.loose(&system, positions);
-        let is_due = !(is_stabilised && loose.is_empty());
+        let is_due = !(is_stabilised && loose.is_empty() || self.contacts.are_none());
         if is_due && !self.is_in_vain && self.supposed < MOST_SUPPOSED {
             self.stiffness = Some(system.matrix);
             let closed = self.closed(time, positions, &loose);
@@ -114,19 +115,18 @@ impl Problem {
 
     /// With contacts of loose parts that are supposed to be closed: what they push with is what has to pull them onto their masters.
     fn closed(&mut self, time: f64, positions: &[[f64; 3]], loose: &[Loose]) -> Result<Assembled, Failure> {
-        let parts = self.solid.parts();
-        let mut masks: Vec<Vec<bool>> = Vec::new();
-        for loose in loose {
-            let mut mask = vec![false; positions.len()];
-            let own = parts.iter().filter(|(name, _)| loose.parts.iter().any(|part| part == name));
-            own.flat_map(|(_, nodes)| nodes).for_each(|&node| mask[node] = true);
-            masks.push(mask);
-        }
-        if masks.is_empty() {
+        let bodies = if loose.is_empty() {
             // What is free is no rigid motion: any contact may hold it.
-            masks.push(vec![true; positions.len()]);
-        }
-        self.contacts.suppose(positions, &masks).map_err(Failure::Contact)?;
+            Bodies::whole(positions.len())
+        } else {
+            let names =
+                loose.iter().enumerate().flat_map(|(k, loose)| loose.parts.iter().map(move |part| (part, k)));
+            let of_name: HashMap<&String, usize> = names.collect();
+            let parts = self.solid.parts().iter();
+            let own = parts.filter_map(|(name, nodes)| Some((*of_name.get(name)?, &nodes[..])));
+            Bodies::new(positions.len(), own)
+        };
+        self.contacts.suppose(positions, &bodies).map_err(Failure::Contact)?;
         let mut pushed = vec![0.0; self.contact.len()];
         self.contacts.add_internal_forces(&mut pushed).map_err(Failure::Contact)?;
         // Without the curvature of forces that are not there.
@@ -168,8 +168,7 @@ impl Problem {
         }
         let solid = Instant::now();
         self.timing.solid += solid - linear;
-        let is_iterative = self.solver.is_iterative();
-        let before = matrix.rows_of(if is_iterative { &self.coupled } else { &[] });
+        let before = matrix.rows_of(if self.solver.may_iterate() { &self.coupled } else { &[] });
         let norms = [self.balance.residual, self.balance.scale];
         let of_contact = self.contacts.add_tangent(&mut matrix, norms, tangent)?;
         let operator = self.contacts.operator(norms, tangent)?;

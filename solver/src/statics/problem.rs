@@ -371,6 +371,33 @@ impl Problem {
         }
     }
 
+    /// Of the parts with loads of their own the one farthest from equilibrium: the excess of its forces over the largest of the norms of
+    /// external forces, contact forces and reactions on its nodes. 0 if there are none, or a single part.
+    pub(super) fn worst_part(&self) -> f64 {
+        let parts = self.solid.parts();
+        if parts.len() < 2 {
+            return 0.0;
+        }
+        let imbalance: Vec<f64> = self.imbalance().collect();
+        let of_part = |(_, nodes): &(String, Vec<usize>)| {
+            let (mut excess, mut external, mut others) = (0.0, 0.0, 0.0);
+            for freedom in nodes.iter().flat_map(|&node| 3 * node..3 * node + 3) {
+                let contact = self.contact[freedom] - self.held[freedom];
+                if self.supports.is_free(freedom) {
+                    let rounding = self.rounding.get(freedom).copied().unwrap_or(0.0);
+                    excess += (imbalance[freedom].abs() - rounding).max(0.0).powi(2);
+                    external += self.external[freedom].powi(2);
+                    others += contact.powi(2);
+                } else {
+                    others += (self.internal[freedom] - self.strained[freedom] + contact).powi(2);
+                }
+            }
+            let excess = (excess.sqrt() - self.negligible).max(0.0);
+            if external > 0.0 { excess / external.max(others).sqrt() } else { 0.0 }
+        };
+        parts.iter().map(of_part).fold(0.0, f64::max)
+    }
+
     fn norms(&self) -> Balance {
         let norm = |sum: f64| sum.sqrt();
         let (mut residual, mut excess, mut reaction, mut external) = (0.0, 0.0, 0.0, 0.0);

@@ -6,6 +6,7 @@ use diffuse_contact::assembly::Tangent;
 
 use super::linear::motions;
 use super::{Failure, Loose, Problem, StaticsError};
+use crate::contact::Bodies;
 
 /// A part on which contact acts with forces that are none.
 struct Unloaded {
@@ -68,14 +69,10 @@ impl Problem {
         positions: &[[f64; 3]],
         unloaded: &[Unloaded],
     ) -> Result<Vec<Loose>, Failure> {
-        let mask = |part: &Unloaded| {
-            let mut mask = vec![false; positions.len()];
-            part.nodes.iter().for_each(|&node| mask[node] = true);
-            mask
-        };
-        let masks: Vec<Vec<bool>> = unloaded.iter().map(mask).collect();
+        let nodes = unloaded.iter().map(|part| &part.nodes[..]).enumerate();
+        let bodies = Bodies::new(positions.len(), nodes);
         self.contacts.leave_out_friction(true);
-        let system = match self.contacts.suppose(positions, &masks) {
+        let system = match self.contacts.suppose(positions, &bodies) {
             Ok(()) => self.assemble(time, positions, Some(Tangent::GaussNewton)),
             Err(error) => Err(Failure::Contact(error)),
         };

@@ -102,6 +102,11 @@ impl LinearSolver {
         }
     }
 
+    /// Whether a system may be solved iteratively, if only because its factors turn out to be too large.
+    pub fn may_iterate(&self) -> bool {
+        self.choice != LinearSolverChoice::Direct
+    }
+
     /// Treats the next matrix as one of a new structure when it looks for singular ones.
     pub fn forget(&mut self) {
         self.direct.forget();

@@ -20,7 +20,8 @@ pub enum SystemError {
         "the matrix of {equations} equations is singular: relative residual {residual:e}, condition at least {condition:e}"
     )]
     Singular { equations: usize, residual: f64, condition: f64 },
-    /// The iterative solution did not get as far as it should. The residual is ‖b − K x‖ / ‖b‖.
+    /// The iterative solution did not get as far as it should. The residual is ‖b − K x‖ over the size of b, see
+    /// [`Accuracy`](super::Accuracy).
     #[error(
         "the iterative solution of {equations} equations is at a relative residual of {residual:.1e} after {iterations} iterations, \
          {tolerance:.1e} was asked for"

@@ -96,9 +96,9 @@ impl SymmetricFactor {
         Ok(())
     }
 
-    /// The smallest ratio of a pivot to its matrix's diagonal entry, 0 if one is not finite. Rounding makes it the machine's
-    /// precision where it should be zero.
-    pub fn smallest_pivot(&self, diagonal: &[f64]) -> f64 {
+    /// The smallest ratio of a pivot to a reference for its row, such as the matrix's diagonal entry; 0 if one is not finite. Rounding makes
+    /// it the machine's precision where it should be zero. Of a pivot of two rows the smaller eigenvalue is meant, about.
+    pub fn smallest_pivot(&self, references: &[f64]) -> f64 {
         let SymbolicCholeskyRaw::Supernodal(supernodes) = self.symbolic.raw() else { return 0.0 };
         let order = self.symbolic.perm();
         let mut smallest = f64::INFINITY;
@@ -108,21 +108,26 @@ impl SymmetricFactor {
             let first = supernodes.col_ptr_for_val()[s] as usize;
             let entries = supernodes.col_ptr_for_val()[s + 1] as usize - first;
             let rows = entries.checked_div(end - begin).unwrap_or(0);
-            let mut column = begin;
-            while column < end {
-                if self.subdiagonal[column] != 0.0 {
-                    // A block of two is taken only if it is better than its entries on the diagonal.
-                    let sound = self.subdiagonal[column].is_finite();
-                    smallest = if sound { smallest } else { 0.0 };
-                    column += 2;
-                    continue;
-                }
-                let pivot = self.values[first + (column - begin) * (rows + 1)].abs();
+            let pivot_at = |column: usize| self.values[first + (column - begin) * (rows + 1)];
+            let reference_at = |column: usize| {
                 let ordered = self.forward[column] as usize;
                 let original = order.map_or(ordered, |order| order.arrays().0[ordered] as usize);
-                let ratio = pivot / diagonal[original].abs();
+                references[original].abs()
+            };
+            let mut column = begin;
+            while column < end {
+                let (pivot, reference, width) = match self.subdiagonal[column] {
+                    0.0 => (pivot_at(column).abs(), reference_at(column), 1),
+                    beside => {
+                        let (x, y) = (pivot_at(column), pivot_at(column + 1));
+                        let largest = x.abs().max(y.abs()).max(beside.abs());
+                        let determinant = (x / largest) * (y / largest) - (beside / largest).powi(2);
+                        (determinant.abs() * largest, reference_at(column).max(reference_at(column + 1)), 2)
+                    }
+                };
+                let ratio = pivot / reference;
                 smallest = if ratio.is_nan() || pivot.is_infinite() { 0.0 } else { smallest.min(ratio) };
-                column += 1;
+                column += width;
             }
         }
         smallest

@@ -1,6 +1,6 @@
 //! A part of a matrix that is there by its products alone.
 
-/// A symmetric matrix over all nodes that is never assembled. A linear system adds it to an assembled one, which alone is preconditioned.
+/// A matrix over all nodes that is never assembled; with friction it is not symmetric. A linear system adds it to an assembled one, which alone is preconditioned.
 pub trait Operator {
     /// y ← y + A x
     ///

@@ -134,7 +134,7 @@ impl StiffContact {
         };
         let own = backward.view().product(basis.view());
         let active: Vec<[bool; 3]> = stiff.iter().map(|(_, _, is_stiff)| *is_stiff).collect();
-        let factors = Bottom::new(&own, &active, symmetry, equations.len())?;
+        let factors = Bottom::new(&own, (&active, None), symmetry, equations.len())?;
         Ok(Self { basis, restriction, forward, backward, factors })
     }
 

@@ -121,3 +121,62 @@ fn small_forces_are_solved_as_well_as_large_ones() {
     let rounding = problem.solid().rounding_of_forces(problem.start_positions());
     assert!((rounding / 1e-8 - 1.0).abs() < 1e-9, "{rounding:e}");
 }
+
+/// A soft strip that bends far beside a stiff block whose forces are a hundred million times its own.
+#[test]
+fn a_part_is_in_equilibrium_by_itself() {
+    let alone = r#"
+[materials.soft]
+young = 1000.0
+poisson = 0.0
+
+[parts.arm]
+shape = "box"
+size = [10.0, 1.0, 0.5]
+divisions = [10, 1, 1]
+material = "soft"
+
+[[boundary]]
+nodes = "arm.x-"
+fix = ["x", "y", "z"]
+
+[[pressure]]
+surface = "arm.z+"
+value = 0.02
+"#;
+    let both = format!(
+        r#"{alone}
+[materials.stiff]
+young = 2e9
+poisson = 0.3
+
+[parts.block]
+shape = "box"
+origin = [20.0, 0.0, 0.0]
+size = [1.0, 1.0, 1.0]
+divisions = [2, 2, 2]
+material = "stiff"
+
+[[boundary]]
+nodes = "block.z-"
+fix = ["x", "y", "z"]
+
+[[boundary]]
+nodes = "block.z+"
+translate = [0.0, 0.0, -0.01]
+"#
+    );
+    let time = "[time]\nincrement = 1.0";
+    let (_, alone, _) = run(alone, time);
+    let deflection = alone.positions.iter().map(|x| x[2]).fold(f64::INFINITY, f64::min);
+    assert!(deflection < -0.5, "{deflection}");
+    for solver in ["direct", "iterative"] {
+        let (notes, both, _) = run(&both, &format!("{time}\n[newton]\nlinear_solver = \"{solver}\""));
+        let last = notes.increments[0].history.last().unwrap();
+        assert!(last.allowed > 1.0, "more than the load of the arm: {last:?}");
+        for (alone, both) in alone.positions.iter().zip(&both.positions) {
+            let is_near = (0..3).all(|axis| (alone[axis] - both[axis]).abs() < 2e-3);
+            assert!(is_near, "{solver}: {alone:?} {both:?}");
+        }
+    }
+}

@@ -208,7 +208,7 @@ fn turn(field: &'static str, [start, end]: [f64; 2]) -> Result<bool, ShapeError>
 }
 
 /// About what a node of a deformable part takes in a run, besides factors: its elements' stiffness and states, and its rows of K.
-const BYTES_PER_NODE: usize = 8_000;
+const BYTES_PER_NODE: usize = 18_000;
 
 /// About what a node of a rigid part takes: its positions, its forces and its place in the surface.
 const BYTES_PER_RIGID_NODE: usize = 1_000;

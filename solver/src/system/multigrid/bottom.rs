@@ -11,6 +11,9 @@ use crate::system::{Symmetry, SystemError};
 
 /// A pivot below this part of its diagonal entry is zero to rounding: a rigid motion costs nothing.
 const SMALL_PIVOT: f64 = 1e-12;
+/// So is one below this part of what its diagonal entry was made of. A body that nothing holds may have come down to one node, whose own
+/// entries are rounding.
+const ROUNDING: f64 = 1e-14;
 
 /// Factors of a matrix.
 pub struct Bottom<const N: usize> {
@@ -27,13 +30,14 @@ enum Factor {
 }
 
 impl<const N: usize> Bottom<N> {
-    /// Factorises. `equations`: those of the finest level, for messages.
+    /// Factorises. `scale`: what entries on the diagonal were made of, if that may be more than they are. `equations`: those of the finest level, for
+    /// messages.
     ///
     /// # Errors
     /// A pivot that is zero to rounding, or a condition that leaves no digit; factors that do not fit into memory.
     pub fn new(
         matrix: &Sparse<N, N>,
-        active: &[[bool; N]],
+        (active, scale): (&[[bool; N]], Option<&[[f64; N]]>),
         symmetry: Symmetry,
         equations: usize,
     ) -> Result<Self, SystemError> {
@@ -69,9 +73,19 @@ impl<const N: usize> Bottom<N> {
             Symmetry::Symmetric => {
                 let mut factor = SymmetricFactor::new(symbolic).map_err(|_| too_large)?;
                 factor.factorise(csc, Par::Seq).map_err(|_| too_large)?;
-                let pivot = factor.smallest_pivot(&diagonal);
-                if size > 0 && !(pivot > SMALL_PIVOT) {
-                    return Err(SystemError::Singular { equations, residual: 1.0, condition: 1.0 / pivot });
+                let at = |scale: &[[f64; N]]| -> Vec<f64> {
+                    places.iter().map(|&(node, mode)| scale[node as usize][mode as usize]).collect()
+                };
+                let scale = scale.map(|scale| (at(scale), ROUNDING));
+                for (reference, least) in scale.into_iter().chain([(diagonal, SMALL_PIVOT)]) {
+                    let pivot = factor.smallest_pivot(&reference);
+                    if size > 0 && !(pivot > least) {
+                        return Err(SystemError::Singular {
+                            equations,
+                            residual: 1.0,
+                            condition: 1.0 / pivot,
+                        });
+                    }
                 }
                 Factor::Symmetric(factor)
             }

@@ -61,15 +61,19 @@ pub struct Coarse {
     pub modes: Vec<Block<MODES, MODES>>,
     /// What is an unknown: motions that an aggregate does not have are not.
     pub active: Vec<[bool; MODES]>,
+    /// What rounding of its matrix is measured by: the diagonal of the finest matrix, taken down by the squares of P.
+    pub scale: Vec<[f64; MODES]>,
     /// Which of its nodes are neighbours.
     pub links: OwnLinks,
 }
 
 impl<const N: usize> Level<N> {
     /// Aggregates the nodes and smooths their `modes`, rigid motions by node in the unknowns of this level. `diagonal`: the matrix's blocks.
+    /// `scale`: as [`Coarse`] has it.
     pub fn new(
         operator: &LevelOperator<'_, N>,
         diagonal: &[Block<N, N>],
+        scale: &[[f64; N]],
         links: Links<'_>,
         modes: &[Block<N, MODES>],
     ) -> (Self, Coarse) {
@@ -83,8 +87,13 @@ impl<const N: usize> Level<N> {
         let restriction = prolongation.view().transposed();
         let matrix = restriction.view().product(product.view());
         drop(product);
-        let coarse =
-            Coarse { matrix, modes: coarse_modes, active: coarse_active, links: links.of(&aggregates) };
+        let coarse = Coarse {
+            matrix,
+            modes: coarse_modes,
+            active: coarse_active,
+            scale: taken_down(&prolongation, scale),
+            links: links.of(&aggregates),
+        };
         (Self { active: active.to_vec(), smoother, prolongation, restriction }, coarse)
     }
 
@@ -118,6 +127,19 @@ impl<const N: usize> Level<N> {
     pub fn bytes(&self) -> usize {
         self.smoother.bytes() + self.prolongation.bytes() + self.restriction.bytes() + self.active.len() * N
     }
+}
+
+/// Pᵀ D P on its diagonal.
+fn taken_down<const N: usize>(prolongation: &Sparse<N, MODES>, scale: &[[f64; N]]) -> Vec<[f64; MODES]> {
+    let mut coarse = vec![[0.0; MODES]; prolongation.width];
+    for (node, scale) in scale.iter().enumerate() {
+        for (other, block) in prolongation.view().row(node) {
+            for (row, scale) in block.iter().zip(scale) {
+                coarse[other].iter_mut().zip(row).for_each(|(sum, p)| *sum += p * p * scale);
+            }
+        }
+    }
+    coarse
 }
 
 /// The modes over each aggregate, made orthogonal among its unknowns: the prolongation before it is smoothed, the modes in coarse

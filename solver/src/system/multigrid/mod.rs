@@ -58,21 +58,23 @@ impl Multigrid {
         let operator = LevelOperator { matrix: matrix.view(), active: &active };
         let (starts, columns) = geometry.links.rows();
         let (diagonal, modes) = (diagonal(operator.matrix), rigid_motions(geometry.positions));
-        let (fine, mut next) = Level::new(&operator, &diagonal, Links { starts, columns }, &modes);
+        let scale: Vec<[f64; 3]> =
+            diagonal.iter().map(|block| [0, 1, 2].map(|axis| block[axis][axis].abs())).collect();
+        let (fine, mut next) = Level::new(&operator, &diagonal, &scale, Links { starts, columns }, &modes);
         let mut coarse = Vec::new();
         while next.active.len() > BOTTOM {
-            let Coarse { matrix, modes, active, links } = next;
+            let Coarse { matrix, modes, active, scale, links } = next;
             let operator = LevelOperator { matrix: matrix.view(), active: &active };
             let (level, coarser) =
-                Level::new(&operator, &self::diagonal(matrix.view()), links.view(), &modes);
+                Level::new(&operator, &self::diagonal(matrix.view()), &scale, links.view(), &modes);
             if coarser.active.len() as f64 > WORTHWHILE * active.len() as f64 {
-                next = Coarse { matrix, modes, active, links };
+                next = Coarse { matrix, modes, active, scale, links };
                 break;
             }
             coarse.push((matrix, level));
             next = coarser;
         }
-        let bottom = Bottom::new(&next.matrix, &next.active, symmetry, equations.len())?;
+        let bottom = Bottom::new(&next.matrix, (&next.active, Some(&next.scale)), symmetry, equations.len())?;
         Ok(Self { fine, coarse, bottom })
     }
 

@@ -171,7 +171,7 @@ typedef enum dc_frame {
     // The average plane of the masters, held while differentiating. An interface holds that of the last refresh; with DC_DOMAINS, where
     // the plane is one with the slave's place, it is refused.
     DC_HELD = 1,
-    // Directions given by the caller, held (dc_gap only).
+    // Directions given by the caller, held: dc_gap, and dc_gap_batch with one frame for all elements.
     DC_GIVEN = 2,
 } dc_frame;
 
@@ -304,7 +304,8 @@ typedef struct dc_options {
     double feature_angle_degrees;
     // How far beyond the border a foot still counts, in heights of the facet. Default: 0.01.
     double border_tolerance;
-    // Slaves farther from the master are not paired, length; 0 for no limit. Default: 0.
+    // Slaves farther from the master are not paired, length. 0 for no limit; over faces for the extents of face and facet together, in self
+    // contact for two mean extents of a facet. Default: 0.
     double distance_limit;
     // A penetration deeper than this fraction of the support radius makes dc_cutback suggest a smaller increment.
     // Default: 0.25.
@@ -423,7 +424,8 @@ typedef struct dc_law {
     double friction;
     // Tangential stiffness of contacts that stick, in the unit of the penalty; 0 for that of the penalty.
     double tangential_stiffness;
-    // Traction that no contact exceeds, in the unit of the pressure: contacts slide at min(friction x f, shear_limit). 0 for none.
+    // Traction that no contact exceeds, in the unit of the pressure: contacts slide at min(friction x f, shear_limit x area).
+    // 0 for none.
     double shear_limit;
     // dc_coefficient; 0 is DC_CONSTANT, `friction`. A field of another coefficient that is set is DC_BAD_OPTION.
     int32_t coefficient;
@@ -603,7 +605,9 @@ enum dc_status dc_create(const double *positions,
                          struct dc_interface **interface);
 
 // Makes an interface of a surface in contact with itself: each of its nodes is a slave, and `facets` are all that it may touch. The surface
-// may be the skins of several bodies. Slaves are in ascending order. Give the law half of the penalty between two surfaces: both sides push.
+// may be the skins of several bodies. Slaves are in ascending order. Both sides push: give the
+// law half of the penalty between two surfaces, of the tangential stiffness, of the shear limit and of normal pressures, and coefficients
+// at half of the pressure.
 // With `areas` of `options` they are those of `facets`; there are none by default, other than in Python. All else is as with dc_create;
 // dc_window_create is DC_BAD_OPTION.
 //
@@ -1284,8 +1288,8 @@ enum dc_status dc_faces_create(const double *positions,
                                struct dc_faces **faces);
 
 // Makes an object for contact over faces of a surface with itself: each of its facets is a face of the slave, and `facets` are all that it
-// may touch. The surface may be the skins of several bodies, and its nodes are the slaves. Give the law half of the penalty between two
-// surfaces: both sides push. All else is as with dc_faces_create.
+// may touch. The surface may be the skins of several bodies, and its nodes are the slaves. Give the law half of everything
+// between two surfaces, as with dc_create_self_contact. All else is as with dc_faces_create.
 //
 // # Safety
 // As dc_faces_create.
@@ -1488,8 +1492,8 @@ enum dc_status dc_faces_points(struct dc_faces *faces,
                                size_t *point_count);
 
 // Adds the contact forces R on the nodes to `forces`, one entry per equation, as dc_add_forces does. `active_count`, the number of
-// slave nodes that carry pressure, and `missed_count`, points of loaded faces that carry no force as their line of force meets no place
-// of the facet over them, may be NULL.
+// slave nodes that carry pressure, and `missed_count` may be NULL. Points are missed that carry no force: of loaded faces those whose line
+// of force meets no place of the facet over them or whose derivatives overflow, of all faces those without a place on their own curved face.
 //
 // DC_OVERFLOW if a sum is not finite: the forces then hold anything, and have to be made anew.
 //

@@ -41,7 +41,7 @@ pub unsafe extern "C" fn dc_add_forces(
         // SAFETY: as the caller promises; nothing overlaps.
         let (law, forces) = unsafe { (law::read(law)?, sums("forces", forces, equation_count)?) };
         let law = law.contact()?;
-        let active = threads::run(|| add_forces(contacts, &law, &state.dofs, forces))??;
+        let active = threads::run(|| add_forces(contacts, &law, &state.dofs, forces))?;
         unsafe { active_count.write([active]) };
         Ok(())
     })
@@ -75,7 +75,7 @@ pub unsafe extern "C" fn dc_triplets(
         let triplets = &mut state.triplets;
         let (contacts, dofs) = (state.interface.contacts(), &*state.dofs);
         let filling = &mut *triplets;
-        threads::run(|| filling.fill(contacts, &law, dofs, triangle))??;
+        threads::run(|| filling.fill(contacts, &law, dofs, triangle))?;
         index("equations", state.dofs.equations())?;
         // SAFETY: as the caller promises; the law's multipliers are not looked at any more.
         unsafe { write(triplets, (rows, columns, values), capacity, count) }

@@ -44,7 +44,7 @@ pub enum dc_frame {
     /// The average plane of the masters, held while differentiating. An interface holds that of the last refresh; with DC_DOMAINS, where
     /// the plane is one with the slave's place, it is refused.
     DC_HELD = 1,
-    /// Directions given by the caller, held (dc_gap only).
+    /// Directions given by the caller, held: dc_gap, and dc_gap_batch with one frame for all elements.
     DC_GIVEN = 2,
 }
 

@@ -1,6 +1,7 @@
 //! Results of the last evaluation.
 
 use runtime::Mode;
+use runtime::assembly::AssemblyError;
 use runtime::interface::{ContactRef, Outcome};
 use runtime::neighbourhood::Fallback;
 
@@ -8,7 +9,7 @@ use crate::border::{Plain, disjoint, reserve, target, wanted};
 use crate::interface::{call, dc_interface};
 use crate::law::{self, dc_law};
 use crate::outcome;
-use crate::status::{DC_NO_CONTACT, DC_NOT_EVALUATED, DC_OVERFLOW, Failure, dc_status};
+use crate::status::{DC_NO_CONTACT, DC_NOT_EVALUATED, Failure, dc_status};
 
 /// The contact of one slave. Without contact the numbers are 0, but for the area.
 #[repr(C)]
@@ -206,18 +207,15 @@ pub unsafe extern "C" fn dc_forces(
                 values.push([0.0; 3]);
                 continue;
             }
-            let force = law.force(k, contact.point.gap, contact.area);
-            let pressure = if contact.area > 0.0 { force / contact.area } else { 0.0 };
-            for (what, value) in [("force", force), ("pressure", pressure)] {
-                if !value.is_finite() {
-                    let (gap, area) = (contact.point.gap, contact.area);
-                    let message = format!(
-                        "overflow: the contact {what} of slave {k} is {value}, gap {gap:e}, area {area:e}"
-                    );
-                    return Err(Failure::new(DC_OVERFLOW, message));
-                }
+            let (gap, area) = (contact.point.gap, contact.area);
+            let force = law.checked_normal_force(k, gap, area)?.force;
+            let pressure = if area > 0.0 { force / area } else { 0.0 };
+            if !pressure.is_finite() {
+                return Err(
+                    AssemblyError::ForceOverflow { element: k, penalty: law.penalty, area, gap }.into()
+                );
             }
-            values.push([(-contact.point.gap).max(0.0), force, pressure]);
+            values.push([(-gap).max(0.0), force, pressure]);
         }
         for (which, target) in [penetrations, forces, pressures].into_iter().enumerate() {
             unsafe { target.write(values.iter().map(|values| values[which])) };

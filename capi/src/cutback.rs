@@ -1,6 +1,6 @@
 //! What dc_cutback says: the runtime's rule, with the caller's limit.
 
-use runtime::interface::{ContactInterface, Cutback};
+use runtime::interface::{ContactInterface, Cutback, InterfaceError};
 
 use crate::status::{DC_BAD_OPTION, Failure};
 
@@ -21,6 +21,11 @@ impl Hint {
         }
         let message = format!("invalid-option: cutback_penetration must be positive and finite, not {limit}");
         Err(Failure::new(DC_BAD_OPTION, message))
+    }
+
+    /// Begins an increment at the positions of the refresh that has just been made.
+    pub fn begin(&mut self, interface: &ContactInterface) -> Result<(), InterfaceError> {
+        self.cutback.begin(interface)
     }
 
     /// Books the evaluation that has just been made.

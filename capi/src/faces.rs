@@ -125,7 +125,7 @@ pub unsafe extern "C" fn dc_faces_create(
             let interface = threads::run(|| -> Result<FaceInterface, Failure> {
                 let master = MasterSurface::new(positions, master)?;
                 Ok(FaceInterface::new(master, &slave, positions, options)?)
-            })??;
+            })?;
             insert(interface, positions.len())
         };
         unsafe { border::hand_out("faces", faces, make) }
@@ -133,8 +133,8 @@ pub unsafe extern "C" fn dc_faces_create(
 }
 
 /// Makes an object for contact over faces of a surface with itself: each of its facets is a face of the slave, and `facets` are all that it
-/// may touch. The surface may be the skins of several bodies, and its nodes are the slaves. Give the law half of the penalty between two
-/// surfaces: both sides push. All else is as with dc_faces_create.
+/// may touch. The surface may be the skins of several bodies, and its nodes are the slaves. Give the law half of everything
+/// between two surfaces, as with dc_create_self_contact. All else is as with dc_faces_create.
 ///
 /// # Safety
 /// As dc_faces_create.
@@ -162,7 +162,7 @@ pub unsafe extern "C" fn dc_faces_create_self_contact(
             let interface = threads::run(|| -> Result<FaceInterface, Failure> {
                 let surface = MasterSurface::new(positions, facets)?;
                 Ok(FaceInterface::self_contact(surface, positions, options)?)
-            })??;
+            })?;
             insert(interface, positions.len())
         };
         unsafe { border::hand_out("faces", faces, make) }
@@ -217,7 +217,7 @@ pub unsafe extern "C" fn dc_faces_set_symmetry(
     call(faces, |state| {
         let planes = unsafe { symmetry_planes(planes, plane_count)? };
         let interface = &mut state.interface;
-        threads::run(|| interface.set_symmetry(&planes))??;
+        threads::run(|| interface.set_symmetry(&planes))?;
         state.evaluated = false;
         Ok(())
     })
@@ -397,7 +397,7 @@ unsafe fn take(
         let interface = &mut state.interface;
         let FaceReport { points, paired, faces, grown } = threads::run(|| {
             if is_refresh { interface.refresh(positions) } else { interface.update(positions) }
-        })??;
+        })?;
         state.evaluated = false;
         let count = |x: usize| i32::try_from(x).unwrap_or(i32::MAX);
         if let Some(report) = report {
@@ -432,7 +432,7 @@ pub unsafe extern "C" fn dc_faces_evaluate(faces: *mut dc_faces, law: *const dc_
         let law = unsafe { law::read(law)? };
         let law = law.contact()?;
         let interface = &mut state.interface;
-        let evaluated = threads::run(|| interface.evaluate(&law, mode).map(drop))?;
+        let evaluated = threads::run(|| interface.evaluate(&law, mode).map(drop));
         // Without memory there are no contacts; any other refusal leaves those of before.
         state.evaluated = match &evaluated {
             Ok(()) => true,

@@ -9,8 +9,8 @@ use crate::status::dc_status;
 use crate::threads;
 
 /// Adds the contact forces R on the nodes to `forces`, one entry per equation, as dc_add_forces does. `active_count`, the number of
-/// slave nodes that carry pressure, and `missed_count`, points of loaded faces that carry no force as their line of force meets no place
-/// of the facet over them, may be NULL.
+/// slave nodes that carry pressure, and `missed_count` may be NULL. Points are missed that carry no force: of loaded faces those whose line
+/// of force meets no place of the facet over them or whose derivatives overflow, of all faces those without a place on their own curved face.
 ///
 /// DC_OVERFLOW if a sum is not finite: the forces then hold anything, and have to be made anew.
 ///
@@ -32,7 +32,7 @@ pub unsafe extern "C" fn dc_faces_add_forces(
         disjoint([whole, active_count.span(), missed_count.span()])?;
         // SAFETY: as the caller promises; nothing overlaps.
         let forces = unsafe { sums("forces", forces, equation_count)? };
-        let active = threads::run(|| contacts.add_forces(&state.dofs, forces))??;
+        let active = threads::run(|| contacts.add_forces(&state.dofs, forces))?;
         unsafe {
             active_count.write([active]);
             missed_count.write([contacts.missed()]);
@@ -60,7 +60,7 @@ pub unsafe extern "C" fn dc_faces_product(
         let tangent = choice::read(tangent)?;
         let contacts = state.contacts()?;
         let (v, product) = unsafe { factors(v, product, equation_count)? };
-        threads::run(|| contacts.add_product(tangent, &state.dofs, v, product))??;
+        threads::run(|| contacts.add_product(tangent, &state.dofs, v, product))?;
         Ok(())
     })
 }
@@ -88,7 +88,7 @@ pub unsafe extern "C" fn dc_faces_triplets(
         let tangent = choice::read(tangent)?;
         let contacts = state.contacts()?;
         let count = target("count", count, 1)?;
-        let triplets = threads::run(|| contacts.triplets(tangent, &state.dofs))??;
+        let triplets = threads::run(|| contacts.triplets(tangent, &state.dofs))?;
         index("equations", state.dofs.equations())?;
         unsafe { write(&triplets, (rows, columns, values), capacity, count) }
     })

@@ -81,7 +81,7 @@ pub unsafe extern "C" fn dc_faces_augment(
         let (law, moves) = unsafe { (law::read(law)?, moves_of(moves, slave_count)?) };
         let law = law.contact()?;
         let contacts = &mut state.interface;
-        threads::run(|| contacts.augment(&law, moves))??;
+        threads::run(|| contacts.augment(&law, moves))?;
         state.evaluated &= law.friction.is_none();
         Ok(())
     })

@@ -30,7 +30,7 @@ pub unsafe extern "C" fn dc_faces_points(
 ) -> dc_status {
     call(faces, |state| {
         state.contacts()?;
-        let points = threads::run(|| state.interface.integration_points())??;
+        let points = threads::run(|| state.interface.integration_points())?;
         let (count, three, room) = (points.len(), 3 * points.len(), capacity.saturating_mul(3));
         let faces_of_points = wanted("faces_of_points", faces_of_points, capacity, count)?;
         let [areas, gaps, pressures] = [("areas", areas), ("gaps", gaps), ("pressures", pressures)]

@@ -44,7 +44,7 @@ pub unsafe extern "C" fn dc_faces_create_in_window(
             check_nodes(positions.len())?;
             let options = face_options(&options, degree)?;
             let make = |master: &Window, slave: &Window| {
-                Ok(threads::run(|| FaceInterface::in_window(master, slave, positions, options))??)
+                Ok(threads::run(|| FaceInterface::in_window(master, slave, positions, options))?)
             };
             let interface = WINDOWS.with(master.addr(), |of_master| {
                 if master == slave {

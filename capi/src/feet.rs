@@ -37,7 +37,7 @@ pub unsafe extern "C" fn dc_feet(
     call(interface, |state| {
         state.expect_slaves(slave_count)?;
         let outcomes = wanted("outcomes", outcomes, slave_count, slave_count)?;
-        let feet = threads::run(|| state.interface.foot_derivatives())??;
+        let feet = threads::run(|| state.interface.foot_derivatives())?;
         let masters: usize = feet.iter().map(|foot| foot.nodes.len()).sum();
         let rows = 9 * (masters + feet.len());
         let weights = wanted("weights", weights, weight_size, masters)?;

@@ -47,7 +47,7 @@ impl Accepted {
         let law = unsafe { law::read(law)? };
         let law = law.contact()?;
         law.validate(slave_count)?;
-        let report = threads::run(|| accept(&law))??;
+        let report = threads::run(|| accept(&law))?;
         unsafe {
             stuck_count.write([report.stuck]);
             sliding_count.write([report.sliding]);
@@ -108,7 +108,7 @@ pub unsafe fn write_slip_errors(
         law::read(law)?
     };
     let law = law.contact()?;
-    let found = threads::run(|| find(&law))??;
+    let found = threads::run(|| find(&law))?;
     unsafe { errors.write(found) };
     Ok(())
 }
@@ -136,7 +136,7 @@ pub unsafe extern "C" fn dc_augment(
         let (law, moves) = unsafe { (law::read(law)?, moves_of(moves, slave_count)?) };
         let law = law.contact()?;
         let contacts = &mut state.interface;
-        threads::run(|| contacts.augment(&law, moves))??;
+        threads::run(|| contacts.augment(&law, moves))?;
         if law.friction.is_some() {
             state.end_evaluation();
         }
@@ -243,7 +243,7 @@ pub unsafe extern "C" fn dc_friction(
             law::read(law)?
         };
         let law = law.contact()?;
-        let found = threads::run(|| slave_friction(contacts, &law))??;
+        let found = threads::run(|| slave_friction(contacts, &law))?;
         unsafe {
             states.write(found.iter().map(|slave| slave.state.number()));
             tractions.write(found.iter().flat_map(|slave| slave.traction));

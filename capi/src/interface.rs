@@ -128,7 +128,7 @@ pub unsafe extern "C" fn dc_create(
                     dc_options::read(options)?,
                 )
             };
-            let state = threads::run(|| create(positions, master, slaves, areas, &options))??;
+            let state = threads::run(|| create(positions, master, slaves, areas, &options))?;
             INTERFACES.insert(state)
         };
         unsafe { border::hand_out("interface", interface, make) }
@@ -153,7 +153,9 @@ fn create(
 }
 
 /// Makes an interface of a surface in contact with itself: each of its nodes is a slave, and `facets` are all that it may touch. The surface
-/// may be the skins of several bodies. Slaves are in ascending order. Give the law half of the penalty between two surfaces: both sides push.
+/// may be the skins of several bodies. Slaves are in ascending order. Both sides push: give the
+/// law half of the penalty between two surfaces, of the tangential stiffness, of the shear limit and of normal pressures, and coefficients
+/// at half of the pressure.
 /// With `areas` of `options` they are those of `facets`; there are none by default, other than in Python. All else is as with dc_create;
 /// dc_window_create is DC_BAD_OPTION.
 ///
@@ -177,7 +179,7 @@ pub unsafe extern "C" fn dc_create_self_contact(
                     dc_options::read(options)?,
                 )
             };
-            let state = threads::run(|| create_self_contact(positions, facets, &options))??;
+            let state = threads::run(|| create_self_contact(positions, facets, &options))?;
             INTERFACES.insert(state)
         };
         unsafe { border::hand_out("interface", interface, make) }
@@ -247,7 +249,7 @@ pub unsafe extern "C" fn dc_set_symmetry(
     call(interface, |state| {
         let planes = unsafe { symmetry_planes(planes, plane_count)? };
         let interface = &mut state.interface;
-        threads::run(|| interface.set_symmetry(&planes))??;
+        threads::run(|| interface.set_symmetry(&planes))?;
         state.evaluated = false;
         Ok(())
     })
@@ -382,7 +384,7 @@ pub unsafe extern "C" fn dc_follow(
             interface.update(positions)?;
             false
         } else {
-            threads::run(|| interface.follow(positions))??
+            threads::run(|| interface.follow(positions))?
         };
         state.evaluated = false;
         unsafe { rebuilt.write([i32::from(was_rebuilt)]) };
@@ -416,14 +418,17 @@ pub unsafe extern "C" fn dc_refresh(
     call(interface, |state| {
         let positions = unsafe { points(positions, node_count)? };
         let report = unsafe { wanted_report(report, positions)? };
-        let interface = &mut state.interface;
+        let State { interface, hint, .. } = state;
+        state.evaluated = false;
         let result = if state.frozen {
             interface.update(positions)?;
             RefreshReport::default()
         } else {
-            threads::run(|| interface.refresh_pairing(positions))??
+            threads::run(|| {
+                let report = interface.refresh_pairing(positions)?;
+                hint.begin(interface).map(|()| report)
+            })?
         };
-        state.evaluated = false;
         if let Some(report) = report {
             unsafe { report.write(&dc_report::new(&result)) };
         }
@@ -463,7 +468,7 @@ pub extern "C" fn dc_evaluate(interface: *mut dc_interface, mode: i32) -> dc_sta
         // Until it is done there is nothing.
         state.evaluated = false;
         let State { interface, hint, .. } = state;
-        threads::run(|| interface.evaluate(mode).map(drop))??;
+        threads::run(|| interface.evaluate(mode).map(drop))?;
         hint.book(interface);
         state.evaluated = true;
         Ok(())

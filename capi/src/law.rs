@@ -59,7 +59,8 @@ pub struct dc_law {
     pub friction: f64,
     /// Tangential stiffness of contacts that stick, in the unit of the penalty; 0 for that of the penalty.
     pub tangential_stiffness: f64,
-    /// Traction that no contact exceeds, in the unit of the pressure: contacts slide at min(friction x f, shear_limit). 0 for none.
+    /// Traction that no contact exceeds, in the unit of the pressure: contacts slide at min(friction x f, shear_limit x area).
+    /// 0 for none.
     pub shear_limit: f64,
     /// dc_coefficient; 0 is DC_CONSTANT, `friction`. A field of another coefficient that is set is DC_BAD_OPTION.
     pub coefficient: i32,

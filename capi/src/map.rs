@@ -80,7 +80,7 @@ unsafe fn create<I: Plain + CsrIndex>(
                     input("columns", columns, entry_count)?,
                 )
             };
-            let places = threads::run(|| CsrMap::within(contacts, &state.dofs, row_offsets, columns))??;
+            let places = threads::run(|| CsrMap::within(contacts, &state.dofs, row_offsets, columns))?;
             MAPS.insert(OfEquations { places, dofs: Arc::clone(&state.dofs), what: "map" })
         })
     };
@@ -119,7 +119,7 @@ pub unsafe extern "C" fn dc_map_add(
             // SAFETY: as the caller promises; nothing overlaps.
             let (law, values) = unsafe { (law::read(law)?, sums("values", values, entry_count)?) };
             let law = law.contact()?;
-            let active = threads::run(|| map.places.add_from(&state.interface, &law, values))??;
+            let active = threads::run(|| map.places.add_from(&state.interface, &law, values))?;
             unsafe { active_count.write([active]) };
             Ok(())
         })

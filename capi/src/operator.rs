@@ -37,7 +37,7 @@ pub unsafe extern "C" fn dc_operator_create(
             with(interface, |state| {
                 let law = unsafe { law::read(law)? };
                 let law = law.contact()?;
-                let made = threads::run(|| TangentOperator::new(&state.interface, &law, &state.dofs))??;
+                let made = threads::run(|| TangentOperator::new(&state.interface, &law, &state.dofs))?;
                 let contacts = made.contacts();
                 let made = OPERATORS.insert(made)?;
                 unsafe { active_count.write([contacts]) };
@@ -81,7 +81,7 @@ unsafe fn add(
 ) -> dc_status {
     OPERATORS.call(tangent, |tangent| {
         let (v, product) = unsafe { factors(v, product, count)? };
-        Ok(threads::run(|| work(tangent, v, product))??)
+        Ok(threads::run(|| work(tangent, v, product))?)
     })
 }
 
@@ -128,6 +128,6 @@ pub unsafe extern "C" fn dc_operator_diagonal(
 ) -> dc_status {
     OPERATORS.call(tangent, |tangent| {
         let diagonal = unsafe { sums("diagonal", diagonal, equation_count)? };
-        Ok(threads::run(|| tangent.add_diagonal(diagonal))??)
+        Ok(threads::run(|| tangent.add_diagonal(diagonal))?)
     })
 }

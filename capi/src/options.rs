@@ -58,7 +58,8 @@ pub struct dc_options {
     pub feature_angle_degrees: f64,
     /// How far beyond the border a foot still counts, in heights of the facet. Default: 0.01.
     pub border_tolerance: f64,
-    /// Slaves farther from the master are not paired, length; 0 for no limit. Default: 0.
+    /// Slaves farther from the master are not paired, length. 0 for no limit; over faces for the extents of face and facet together, in self
+    /// contact for two mean extents of a facet. Default: 0.
     pub distance_limit: f64,
     /// A penetration deeper than this fraction of the support radius makes dc_cutback suggest a smaller increment.
     /// Default: 0.25.

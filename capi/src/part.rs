@@ -176,7 +176,7 @@ pub unsafe extern "C" fn dc_part_create(
                 known: [[x, y, z], [u, v, w]],
                 extents: Extents { low: [a, b, c], high: [d, e, f], facet },
             };
-            PARTS.insert(threads::run(|| SurfacePart::new(&facets, &options, &planes))??)
+            PARTS.insert(threads::run(|| SurfacePart::new(&facets, &options, &planes))?)
         };
         unsafe { border::hand_out("part", part, make) }
     })
@@ -245,7 +245,7 @@ pub unsafe extern "C" fn dc_part_settle(
             target.span(),
         ])?;
         let others = PartDemands::from_numbers(integers, reals)?;
-        let settled = threads::run(|| part.settle(&others))??;
+        let settled = threads::run(|| part.settle(&others))?;
         unsafe { target.write([i32::from(settled)]) };
         Ok(())
     })
@@ -270,7 +270,7 @@ pub unsafe extern "C" fn dc_part_window(
         let make = || {
             let (positions, boxes): (_, Vec<Box3>) =
                 unsafe { (points(positions, node_count)?, boxes_of(boxes, box_count)?) };
-            let cut = |part: &mut SurfacePart| Ok(threads::run(|| part.window(positions, &boxes, skin))??);
+            let cut = |part: &mut SurfacePart| Ok(threads::run(|| part.window(positions, &boxes, skin))?);
             WINDOWS.insert(PARTS.with(part.addr(), cut)?)
         };
         unsafe { border::hand_out("window", window, make) }
@@ -295,7 +295,7 @@ pub unsafe extern "C" fn dc_window_joined(
             for handle in handles {
                 all.push(WINDOWS.with(handle.addr(), |window| Ok(window.clone()))?);
             }
-            WINDOWS.insert(threads::run(|| Window::joined(&all))??)
+            WINDOWS.insert(threads::run(|| Window::joined(&all))?)
         };
         // Writing to a handle that is still to be read would lose its window.
         disjoint([border::read("windows", windows, window_count), border::written("joined", joined, 1)])?;

@@ -70,7 +70,7 @@ pub unsafe extern "C" fn dc_pattern_create(
         let make = || {
             with(interface, |state| {
                 let contacts = state.contacts()?;
-                let places = threads::run(|| CsrPattern::union(contacts, &state.dofs))??;
+                let places = threads::run(|| CsrPattern::union(contacts, &state.dofs))?;
                 index("equations", places.equations())?;
                 let entries = index("entries", places.entries())? as usize;
                 let made = OfEquations { places, dofs: Arc::clone(&state.dofs), what: "pattern" };
@@ -153,7 +153,7 @@ pub unsafe extern "C" fn dc_pattern_fill(
             // SAFETY: as the caller promises; nothing overlaps.
             let values = unsafe { values.unspecified() };
             let map = pattern.places.map();
-            let active = threads::run(|| map.fill_from(&state.interface, &law, values))??;
+            let active = threads::run(|| map.fill_from(&state.interface, &law, values))?;
             unsafe { active_count.write([active]) };
             Ok(())
         })

@@ -1,6 +1,5 @@
 //! The threads that evaluate. Where none can be started, the calling one works alone: results are the same.
 
-use rayon::ThreadPoolBuilder;
 use runtime::threads::Threads;
 
 use crate::border;
@@ -11,20 +10,9 @@ const MOST: i32 = 1024;
 
 static THREADS: Threads = Threads::new();
 
-/// Runs work in the calling thread, which belongs to a pool of its own from then on: whatever the work would hand to others it does
-/// itself.
-fn alone<T>(work: impl FnOnce() -> T) -> T {
-    // It fails where the thread belongs to a pool already, which is that one.
-    let _ = ThreadPoolBuilder::new().num_threads(1).use_current_thread().build().map(std::mem::forget);
-    work()
-}
-
 /// Runs work that may be parallel.
-pub fn run<T: Send>(work: impl FnOnce() -> T + Send) -> Result<T, Failure> {
-    Ok(match THREADS.pool() {
-        Ok(pool) => pool.install(work),
-        Err(_) => alone(work),
-    })
+pub fn run<T: Send>(work: impl FnOnce() -> T + Send) -> T {
+    THREADS.run(work)
 }
 
 /// Sets how many threads evaluate, for the whole process: 1 to 1024, or 0 for the environment variable RAYON_NUM_THREADS, or else one per
@@ -45,5 +33,5 @@ pub extern "C" fn dc_set_threads(count: i32) -> dc_status {
 /// How many threads evaluate: 1 where none could be started.
 #[unsafe(no_mangle)]
 pub extern "C" fn dc_thread_count() -> usize {
-    THREADS.pool().map_or(1, |pool| pool.current_num_threads())
+    THREADS.count()
 }

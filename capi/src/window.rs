@@ -49,7 +49,7 @@ pub unsafe extern "C" fn dc_window_create(
     border::call(|| {
         let make = || {
             let boxes = unsafe { boxes_of(boxes, box_count)? };
-            with(interface, |state| WINDOWS.insert(threads::run(|| state.interface.window(&boxes, skin))??))
+            with(interface, |state| WINDOWS.insert(threads::run(|| state.interface.window(&boxes, skin))?))
         };
         unsafe { border::hand_out("window", window, make) }
     })
@@ -206,9 +206,7 @@ pub unsafe extern "C" fn dc_create_in_window(
             let facets = facets_of(facets)?;
             let options = options.interface_beside(&facets)?;
             let contact = WINDOWS.with(window.addr(), |window| {
-                Ok(threads::run(|| {
-                    ContactInterface::in_window(window, slaves, &facets, positions, options)
-                })??)
+                Ok(threads::run(|| ContactInterface::in_window(window, slaves, &facets, positions, options))?)
             })?;
             insert(State::new(contact, positions.len(), hint))
         };

@@ -27,7 +27,7 @@ impl Interface {
         let mut forces = writable(forces)?;
         let forces = slice_mut(py, &mut forces)?;
         let (contacts, dofs) = (this.contacts(py)?, &this.dofs);
-        threads::run(py, || add_forces(contacts, &law, dofs, forces))?.map_err(|error| error.raise(py))
+        threads::run(py, || add_forces(contacts, &law, dofs, forces)).map_err(|error| error.raise(py))
     }
 
     /// Rows, columns and values of the tangents of all contacts that carry force, one after the other.
@@ -45,7 +45,7 @@ impl Interface {
         let (contacts, dofs) = (this.contacts(py)?, &this.dofs);
         let mut triplets = Triplets::new();
         let list = &mut triplets;
-        let filled = threads::run(py, || list.fill(contacts, &law, dofs, triangle))?;
+        let filled = threads::run(py, || list.fill(contacts, &law, dofs, triangle));
         filled.map_err(|error| error.raise(py))?;
         let numbers =
             |numbers: &[usize]| PyArray1::from_iter(py, numbers.iter().map(|&number| number as i64));
@@ -66,16 +66,13 @@ impl Interface {
         law.validate_for(contacts).map_err(|error| error.raise(py))?;
         let force = |(element, contact): (usize, ContactRef<'_>)| {
             let (gap, area) = (contact.point.gap, contact.area);
-            let force = if contact.outcome.is_contact() { law.force(element, gap, area) } else { 0.0 };
-            let penalty = law.penalty;
-            if force.is_finite() {
-                Ok(force)
-            } else {
-                Err(AssemblyError::ForceOverflow { element, penalty, area, gap })
+            if !contact.outcome.is_contact() {
+                return Ok(0.0);
             }
+            law.checked_normal_force(element, gap, area).map(|at| at.force)
         };
         let forces =
-            threads::run(py, || contacts.iter().enumerate().map(force).collect::<Result<Vec<f64>, _>>())?;
+            threads::run(py, || contacts.iter().enumerate().map(force).collect::<Result<Vec<f64>, _>>());
         Ok(PyArray1::from_vec(py, forces.map_err(|error| error.raise(py))?))
     }
 
@@ -90,7 +87,7 @@ impl Interface {
         let own = law.own(py)?;
         let law = own.law(py)?;
         let contacts = this.contacts(py)?;
-        let found = threads::run(py, || slave_friction(contacts, &law))?.map_err(|error| error.raise(py))?;
+        let found = threads::run(py, || slave_friction(contacts, &law)).map_err(|error| error.raise(py))?;
         Ok((
             PyArray1::from_vec(py, found.iter().flat_map(|slave| slave.traction).collect()),
             found.iter().map(|slave| slave.state.name()).collect(),

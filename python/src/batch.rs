@@ -314,7 +314,7 @@ pub fn gap_batch(
         status: slice_mut(py, &mut status)?,
     };
     check(py, &elements, &results)?;
-    let failed = evaluate_all(py, &elements, results.pieces(kind))?;
+    let failed = evaluate_all(py, &elements, results.pieces(kind));
     Ok(failed.map(|(index, error)| (index, error.stable_code(), error.to_string())))
 }
 
@@ -323,14 +323,14 @@ fn evaluate_all(
     py: Python<'_>,
     elements: &Inputs<'_>,
     pieces: Vec<Outputs<'_>>,
-) -> PyResult<Option<(usize, ElementError)>> {
-    if threads::thread_count(py)? == 1 {
+) -> Option<(usize, ElementError)> {
+    if threads::thread_count() == 1 {
         // Handing a batch over to another thread and waiting for it takes as long as several elements.
-        Ok(py.detach(|| {
+        py.detach(|| {
             let mut scratch = Scratch::default();
             let failed = pieces.into_iter().filter_map(|piece| evaluate(elements, piece, &mut scratch));
             failed.min_by_key(|(index, _)| *index)
-        }))
+        })
     } else {
         threads::run(py, || {
             let failed = pieces

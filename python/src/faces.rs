@@ -103,7 +103,7 @@ impl Faces {
                 interface.set_symmetry(&planes)?;
             }
             Ok(interface)
-        })?;
+        });
         let interface = made.map_err(|error: InterfaceError| error.raise(py))?;
         Ok(Self { interface, dofs, current: false })
     }
@@ -139,7 +139,7 @@ impl Faces {
                 interface.set_quadratic_faces_by_number(&below, &above)?;
             }
             Ok(interface)
-        })?;
+        });
         let interface = made.map_err(|error: InterfaceError| error.raise(py))?;
         Ok(Self { interface, dofs, current: false })
     }
@@ -172,7 +172,7 @@ impl Faces {
         let interface = &mut this.interface;
         let taken = threads::run(py, || {
             if forgets { interface.refresh(positions) } else { interface.update(positions) }
-        })?;
+        });
         let FaceReport { points, paired, faces, grown } = taken.map_err(|error| error.raise(py))?;
         this.current = false;
         Ok((points, paired, faces, grown))
@@ -185,7 +185,7 @@ impl Faces {
         let own = law.own(py)?;
         let law = own.law(py)?;
         let interface = &mut this.interface;
-        let evaluated = threads::run(py, || interface.evaluate(&law, mode).map(|_| ()))?;
+        let evaluated = threads::run(py, || interface.evaluate(&law, mode).map(|_| ()));
         // Without memory there are no contacts; any other refusal leaves those of before.
         this.current = match &evaluated {
             Ok(()) => true,
@@ -234,7 +234,7 @@ impl Faces {
         let this = shared(slf)?;
         this.contacts(py)?;
         let interface = &this.interface;
-        let points = threads::run(py, || interface.integration_points())?.map_err(|error| error.raise(py))?;
+        let points = threads::run(py, || interface.integration_points()).map_err(|error| error.raise(py))?;
         let numbers =
             |of: fn(&IntegrationPoint) -> f64| PyArray1::from_vec(py, points.iter().map(of).collect());
         let vectors =
@@ -264,7 +264,7 @@ impl Faces {
         let mut forces = writable(forces)?;
         let forces = slice_mut(py, &mut forces)?;
         let (contacts, dofs) = (this.contacts(py)?, &this.dofs);
-        threads::run(py, || contacts.add_forces(dofs, forces))?.map_err(|error| error.raise(py))
+        threads::run(py, || contacts.add_forces(dofs, forces)).map_err(|error| error.raise(py))
     }
 
     /// Nodes that couple: offsets of the cliques, and their nodes.
@@ -300,7 +300,7 @@ impl Faces {
         let mut product = writable(product)?;
         let product = slice_mut(py, &mut product)?;
         let (contacts, dofs) = (this.contacts(py)?, &this.dofs);
-        threads::run(py, || contacts.add_product(tangent, dofs, v, product))?.map_err(|error| error.raise(py))
+        threads::run(py, || contacts.add_product(tangent, dofs, v, product)).map_err(|error| error.raise(py))
     }
 
     /// Rows, columns and values of the tangent, to be summed.
@@ -312,7 +312,7 @@ impl Faces {
         let this = shared(slf)?;
         let tangent: Tangent = options::tangent(py, tangent)?;
         let (contacts, dofs) = (this.contacts(py)?, &this.dofs);
-        let made = threads::run(py, || contacts.triplets(tangent, dofs))?;
+        let made = threads::run(py, || contacts.triplets(tangent, dofs));
         let triplets = made.map_err(|error| error.raise(py))?;
         let numbers =
             |numbers: &[usize]| PyArray1::from_iter(py, numbers.iter().map(|&number| number as i64));

@@ -64,7 +64,7 @@ impl Interface {
                 let entries = Entries::of(&feet);
                 (feet, entries)
             })
-        })?;
+        });
         let (feet, entries) = made.map_err(|error| error.raise(py))?;
         let Entries { offsets, nodes, weights, jacobians: [foot_jacobian, normal_jacobian] } = entries;
         let point = |foot: FootRef<'_>| {

@@ -23,7 +23,7 @@ macro_rules! has_history {
                 let own = law.own(py)?;
                 let law = own.law(py)?;
                 let interface = &mut this.interface;
-                let report = threads::run(py, || interface.accept(&law))?.map_err(|error| error.raise(py))?;
+                let report = threads::run(py, || interface.accept(&law)).map_err(|error| error.raise(py))?;
                 this.current &= !this.interface.has_history();
                 Ok((report.stuck, report.sliding, report.unanchored, report.dropped, report.dissipated))
             }
@@ -47,7 +47,7 @@ macro_rules! has_history {
                 }
                 let interface = &mut this.interface;
                 let moves = |slave: usize| moves.is_none_or(|moves| moves[slave]);
-                threads::run(py, || interface.augment(&law, moves))?.map_err(|error| error.raise(py))?;
+                threads::run(py, || interface.augment(&law, moves)).map_err(|error| error.raise(py))?;
                 this.current &= law.friction.is_none();
                 Ok(())
             }
@@ -63,7 +63,7 @@ macro_rules! has_history {
                 let law = own.law(py)?;
                 let interface = &this.interface;
                 let errors =
-                    threads::run(py, || interface.slip_errors(&law))?.map_err(|error| error.raise(py))?;
+                    threads::run(py, || interface.slip_errors(&law)).map_err(|error| error.raise(py))?;
                 Ok(PyArray1::from_vec(py, errors))
             }
 
@@ -92,7 +92,7 @@ macro_rules! has_history {
                 let history = readable(history)?;
                 let history = slice(py, &history)?;
                 let interface = &mut this.interface;
-                threads::run(py, || interface.set_history(history))?.map_err(|error| error.raise(py))?;
+                threads::run(py, || interface.set_history(history)).map_err(|error| error.raise(py))?;
                 this.current = false;
                 Ok(())
             }

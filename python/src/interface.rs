@@ -138,7 +138,7 @@ impl Interface {
         let master = master.surface.clone();
         let made = threads::run(py, || {
             with_planes(ContactInterface::new(master, slaves, &slave_facets, positions, options)?, &planes)
-        })?;
+        });
         let interface = made.map_err(|error: InterfaceError| error.raise(py))?;
         Ok(Self::of(interface, dofs))
     }
@@ -163,7 +163,7 @@ impl Interface {
         let surface = surface.surface.clone();
         let made = threads::run(py, || {
             with_planes(ContactInterface::self_contact(surface, positions, options)?, &planes)
-        })?;
+        });
         Ok(Self::of(made.map_err(|error: InterfaceError| error.raise(py))?, dofs))
     }
 
@@ -180,16 +180,17 @@ impl Interface {
         let mut this = exclusive(slf)?;
         let positions = readable(positions)?;
         let positions = points(py, &positions)?;
-        let (frozen, interface) = (this.frozen, &mut this.interface);
+        let frozen = this.frozen;
+        let Interface { interface, cutback, current, .. } = &mut *this;
+        *current = false;
         let report = threads::run(py, || {
             if frozen {
-                interface.update(positions).map(|()| RefreshReport::default())
-            } else {
-                interface.refresh_pairing(positions)
+                return interface.update(positions).map(|()| RefreshReport::default());
             }
-        })?;
+            let report = interface.refresh_pairing(positions)?;
+            cutback.begin(interface).map(|()| report)
+        });
         let report = report.map_err(|error| error.raise(py))?;
-        this.current = false;
         let dict = report::to_dict(py, &report)?;
         dict.set_item("frozen", frozen)?;
         Ok(dict)
@@ -213,7 +214,7 @@ impl Interface {
         let positions = readable(positions)?;
         let positions = points(py, &positions)?;
         let interface = &mut this.interface;
-        threads::run(py, || interface.update(positions))?.map_err(|error| error.raise(py))?;
+        threads::run(py, || interface.update(positions)).map_err(|error| error.raise(py))?;
         this.current = false;
         Ok(())
     }
@@ -227,7 +228,7 @@ impl Interface {
         let (frozen, interface) = (this.frozen, &mut this.interface);
         let followed = threads::run(py, || {
             if frozen { interface.update(positions).map(|()| false) } else { interface.follow(positions) }
-        })?;
+        });
         let rebuilt = followed.map_err(|error| error.raise(py))?;
         this.current = false;
         Ok(rebuilt)
@@ -239,7 +240,7 @@ impl Interface {
         let mut this = exclusive(slf)?;
         this.current = false;
         let interface = &mut this.interface;
-        let evaluated = threads::run(py, || interface.evaluate(mode).map(|_| ()))?;
+        let evaluated = threads::run(py, || interface.evaluate(mode).map(|_| ()));
         evaluated.map_err(|error| error.raise(py))?;
         let this = &mut *this;
         this.cutback.book(this.interface.contacts());

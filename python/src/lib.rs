@@ -31,6 +31,7 @@ mod faces;
 mod feet;
 mod history;
 mod interface;
+mod isa;
 mod law;
 mod operator;
 mod options;
@@ -65,6 +66,8 @@ fn _native(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(options::check_options, module)?)?;
     module.add_function(wrap_pyfunction!(options::default_options, module)?)?;
     module.add_function(wrap_pyfunction!(options::adaptive_tangent, module)?)?;
+    module.add_function(wrap_pyfunction!(isa::isa, module)?)?;
+    module.add_function(wrap_pyfunction!(isa::set_isa, module)?)?;
     module.add_function(wrap_pyfunction!(threads::set_threads, module)?)?;
     module.add_function(wrap_pyfunction!(threads::thread_count, module)?)
 }

@@ -49,7 +49,7 @@ impl Operator {
             } else {
                 operator.add_product(v, product)
             }
-        })?;
+        });
         added.map_err(|error| error.raise(py))
     }
 
@@ -60,7 +60,7 @@ impl Operator {
         let mut diagonal = writable(diagonal)?;
         let diagonal = slice_mut(py, &mut diagonal)?;
         let operator = &mut this.operator;
-        threads::run(py, || operator.add_diagonal(diagonal))?.map_err(|error| error.raise(py))
+        threads::run(py, || operator.add_diagonal(diagonal)).map_err(|error| error.raise(py))
     }
 }
 
@@ -73,7 +73,7 @@ impl Interface {
         let own = law.own(py)?;
         let law = own.law(py)?;
         let (interface, dofs) = (&this.interface, &this.dofs);
-        let made = threads::run(py, || TangentOperator::new(interface, &law, dofs))?;
+        let made = threads::run(py, || TangentOperator::new(interface, &law, dofs));
         let operator = made.map_err(|error| match error {
             InterfaceError::Law(error) => error.raise(py),
             error => error.raise(py),

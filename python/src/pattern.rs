@@ -80,8 +80,7 @@ impl Interface {
             return Ok(self.pattern.insert(pattern));
         }
         let (contacts, dofs) = (self.contacts(py)?, &self.dofs);
-        let made =
-            threads::run(py, || CsrPattern::union(contacts, dofs))?.map_err(|error| error.raise(py))?;
+        let made = threads::run(py, || CsrPattern::union(contacts, dofs)).map_err(|error| error.raise(py))?;
         Ok(self.pattern.insert(Pattern::new(py, made)?))
     }
 
@@ -102,7 +101,7 @@ impl Interface {
         let interface = &self.interface;
         let summed = threads::run(py, || {
             if add { map.add_from(interface, &law, values) } else { map.fill_from(interface, &law, values) }
-        })?;
+        });
         summed.map_err(|error| match error {
             InterfaceError::Law(error) => error.raise(py),
             error => error.raise(py),
@@ -150,7 +149,7 @@ impl Interface {
             ($offsets:expr, $columns:expr) => {{
                 let (offsets, columns) = (readable(&$offsets)?, readable(&$columns)?);
                 let (offsets, columns) = (slice(py, &offsets)?, slice(py, &columns)?);
-                threads::run(py, || CsrMap::within(contacts, dofs, offsets, columns))?
+                threads::run(py, || CsrMap::within(contacts, dofs, offsets, columns))
             }};
         }
         let made = match rows {

@@ -24,7 +24,7 @@ impl Surface {
     ) -> PyResult<Self> {
         let (positions, corners) = (readable(positions)?, readable(corners)?);
         let (positions, facets) = (points(py, &positions)?, facets(py, &corners)?);
-        let made = threads::run(py, || MasterSurface::new(positions, facets))?;
+        let made = threads::run(py, || MasterSurface::new(positions, facets));
         Ok(Self { surface: made.map_err(|error| error.raise(py))? })
     }
 
@@ -52,7 +52,7 @@ impl Surface {
     ) -> PyResult<Bound<'py, PyArray1<f64>>> {
         let positions = readable(positions)?;
         let positions = points(py, &positions)?;
-        let normals = threads::run(py, || self.surface.node_normals(positions))?;
+        let normals = threads::run(py, || self.surface.node_normals(positions));
         let normals = normals.map_err(|error| error.raise(py))?;
         Ok(PyArray1::from_slice(py, normals.as_flattened()))
     }
@@ -67,6 +67,6 @@ pub fn tributary_areas<'py>(
 ) -> PyResult<Bound<'py, PyArray1<f64>>> {
     let (positions, corners) = (readable(positions)?, readable(corners)?);
     let (positions, facets) = (points(py, &positions)?, facets(py, &corners)?);
-    let areas = threads::run(py, || surface::tributary_areas(positions, &facets))?;
+    let areas = threads::run(py, || surface::tributary_areas(positions, &facets));
     Ok(PyArray1::from_vec(py, areas.map_err(|error| error.raise(py))?))
 }

@@ -1,25 +1,15 @@
-//! The threads that evaluate.
-
-use std::sync::Arc;
+//! The threads that evaluate. Where none can be started, the calling one works alone: results are the same.
 
 use diffuse_contact::threads::Threads;
 use pyo3::prelude::*;
-use rayon::ThreadPool;
 
 use crate::errors;
 
 static THREADS: Threads = Threads::new();
 
-/// The pool of this process. An exception is Python's work, which may hand the GIL to a thread that waits for the pool: it is made
-/// when that is free again.
-fn pool(py: Python<'_>) -> PyResult<Arc<ThreadPool>> {
-    THREADS.pool().map_err(|error| errors::input(py, "no-threads", &format!("there are no threads: {error}")))
-}
-
-/// Runs `work` in the pool, without the GIL.
-pub fn run<T: Send>(py: Python<'_>, work: impl FnOnce() -> T + Send) -> PyResult<T> {
-    let pool = pool(py)?;
-    Ok(py.detach(|| pool.install(work)))
+/// Runs work that may be parallel, without the GIL.
+pub fn run<T: Send>(py: Python<'_>, work: impl FnOnce() -> T + Send) -> T {
+    py.detach(|| THREADS.run(work))
 }
 
 /// Sets the number of threads; `None` for the environment variable `RAYON_NUM_THREADS`, or else one per core.
@@ -32,8 +22,8 @@ pub fn set_threads(py: Python<'_>, count: Option<usize>) -> PyResult<()> {
     Ok(())
 }
 
-/// Number of threads that evaluate.
+/// Number of threads that evaluate: 1 where none could be started.
 #[pyfunction]
-pub fn thread_count(py: Python<'_>) -> PyResult<usize> {
-    Ok(pool(py)?.current_num_threads())
+pub fn thread_count() -> usize {
+    THREADS.count()
 }

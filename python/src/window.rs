@@ -47,7 +47,7 @@ pub fn boxes_around<'py>(
 ) -> PyResult<Numbers<'py>> {
     let around = readable(around)?;
     let around = points(py, &around)?;
-    let boxes = threads::run(py, || window::boxes_around(around, reach, most))?;
+    let boxes = threads::run(py, || window::boxes_around(around, reach, most));
     Ok(PyArray1::from_slice(py, boxes.as_flattened().as_flattened()))
 }
 
@@ -71,7 +71,7 @@ pub fn extents(
             extents: Extents::NONE,
         };
         part.own_extents()
-    })?
+    })
     .map_err(|error| error.raise(py))?;
     Ok((low, high, facet))
 }
@@ -97,7 +97,7 @@ impl Window {
     fn new(py: Python<'_>, integers: &Indices<'_>, reals: &Numbers<'_>) -> PyResult<Self> {
         let (integers, reals) = (readable(integers)?, readable(reals)?);
         let (integers, reals) = (slice(py, &integers)?, slice(py, &reals)?);
-        let made = threads::run(py, || window::Window::from_numbers(integers, reals))?;
+        let made = threads::run(py, || window::Window::from_numbers(integers, reals));
         Ok(Self { window: made.map_err(|error| error.raise(py))? })
     }
 
@@ -111,7 +111,7 @@ impl Window {
     #[staticmethod]
     fn joined(py: Python<'_>, windows: Vec<PyRef<'_, Self>>) -> PyResult<Self> {
         let windows: Vec<window::Window> = windows.iter().map(|own| own.window.clone()).collect();
-        let made = threads::run(py, || window::Window::joined(&windows))?;
+        let made = threads::run(py, || window::Window::joined(&windows));
         Ok(Self { window: made.map_err(|error| error.raise(py))? })
     }
 
@@ -182,7 +182,7 @@ impl Part {
         };
         let options = options.interface(py, false)?;
         let planes = planes(py, symmetry)?;
-        let made = threads::run(py, || SurfacePart::new(&part, &options, &planes))?;
+        let made = threads::run(py, || SurfacePart::new(&part, &options, &planes));
         Ok(Self { part: made.map_err(|error| error.raise(py))? })
     }
 
@@ -216,7 +216,7 @@ impl Part {
         };
         let others: Vec<PartDemands> = others.iter().map(demands).collect::<PyResult<_>>()?;
         let part = &mut this.part;
-        threads::run(py, || part.settle(&others))?.map_err(|error| error.raise(py))
+        threads::run(py, || part.settle(&others)).map_err(|error| error.raise(py))
     }
 
     /// What slaves in these boxes can need of the own facets.
@@ -226,7 +226,7 @@ impl Part {
         let (positions, boxes) = (readable(positions)?, readable(boxes)?);
         let (positions, boxes) = (points(py, &positions)?, boxes_of(py, &boxes)?);
         let part = &this.part;
-        let made = threads::run(py, || part.window(positions, &boxes, skin))?;
+        let made = threads::run(py, || part.window(positions, &boxes, skin));
         Ok(Window { window: made.map_err(|error| error.raise(py))? })
     }
 }
@@ -261,7 +261,7 @@ impl Interface {
         let window = &window.window;
         let made = threads::run(py, || {
             ContactInterface::in_window(window, slaves, &slave_facets, positions, options)
-        })?;
+        });
         Ok(Self::of(made.map_err(|error| error.raise(py))?, dofs))
     }
 
@@ -272,7 +272,7 @@ impl Interface {
         let boxes = readable(boxes)?;
         let boxes = boxes_of(py, &boxes)?;
         let interface = &this.interface;
-        let made = threads::run(py, || interface.window(&boxes, skin))?;
+        let made = threads::run(py, || interface.window(&boxes, skin));
         Ok(Window { window: made.map_err(|error| error.raise(py))? })
     }
 

@@ -1,5 +1,8 @@
 import dataclasses
 import multiprocessing
+import os
+import subprocess
+import sys
 import threading
 
 import numpy as np
@@ -83,6 +86,27 @@ def test_the_number_of_threads_can_be_set():
             dc.set_threads(bad)
     dc.set_threads(None)
     assert dc.thread_count() >= 1
+
+
+def test_instructions_are_chosen_before_the_first_evaluation():
+    """Results of one process are made with the same instructions."""
+    used = dc.isa()
+    dc.set_isa(used)
+    assert used in ("scalar", "avx2", "avx512", "neon")
+    with pytest.raises(dc.InputError, match='"sse9" is none of scalar'):
+        dc.set_isa("sse9")
+    if used != "scalar":
+        with pytest.raises(dc.InputError, match="comes too late"):
+            dc.set_isa("scalar")
+    program = "import diffuse_contact as dc; dc.set_isa('scalar'); print(dc.isa())"
+    done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True)
+    assert done.stdout.strip() == "scalar"
+    environment = {**os.environ, "DIFFUSE_CONTACT_ISA": "sse9"}
+    program = "import diffuse_contact as dc; print(dc.isa())"
+    command = [sys.executable, "-c", program]
+    done = subprocess.run(command, env=environment, capture_output=True, text=True, check=True)
+    assert done.stdout.strip() in ("scalar", "avx2", "avx512", "neon")
+    assert "DIFFUSE_CONTACT_ISA=sse9 is not among" in done.stderr
 
 
 def _gap_in_child(queue):

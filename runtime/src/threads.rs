@@ -13,8 +13,7 @@ use rayon::{ThreadPool, ThreadPoolBuildError, ThreadPoolBuilder};
 ///
 /// static THREADS: Threads = Threads::new();
 /// THREADS.set(2);
-/// assert_eq!(THREADS.pool()?.install(rayon::current_num_threads), 2);
-/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// assert_eq!(THREADS.run(rayon::current_num_threads), 2);
 /// ```
 #[derive(Debug)]
 pub struct Threads(Mutex<State>);
@@ -45,10 +44,7 @@ impl Threads {
     }
 
     /// The pool of this process.
-    ///
-    /// # Errors
-    /// If its threads cannot be started.
-    pub fn pool(&self) -> Result<Arc<ThreadPool>, ThreadPoolBuildError> {
+    fn pool(&self) -> Result<Arc<ThreadPool>, ThreadPoolBuildError> {
         let mut state = self.state();
         match &state.pool {
             Some((process, pool)) if *process == process::id() => return Ok(Arc::clone(pool)),
@@ -59,6 +55,25 @@ impl Threads {
         let pool = Arc::new(ThreadPoolBuilder::new().num_threads(state.count).build()?);
         state.pool = Some((process::id(), Arc::clone(&pool)));
         Ok(pool)
+    }
+
+    /// Runs work that may be parallel in the pool, or where its threads cannot be started in the calling one, which belongs to a pool of
+    /// its own from then on: whatever the work would hand to others it does itself.
+    pub fn run<T: Send>(&self, work: impl FnOnce() -> T + Send) -> T {
+        match self.pool() {
+            Ok(pool) => pool.install(work),
+            Err(_) => {
+                // It fails where the thread belongs to a pool already, which is that one.
+                let own = ThreadPoolBuilder::new().num_threads(1).use_current_thread().build();
+                let _ = own.map(std::mem::forget);
+                work()
+            }
+        }
+    }
+
+    /// How many threads do the work of [`run`](Self::run).
+    pub fn count(&self) -> usize {
+        self.pool().map_or(1, |pool| pool.current_num_threads())
     }
 
     /// Sets the number of threads; 0 for that of [`new`](Self::new). Work that runs in the pool of before ends first.

@@ -25,6 +25,7 @@ fn the_hint_stays_until_the_slave_has_a_result() {
     let mut at = |slave: Point, refreshes: bool| {
         if refreshes {
             interface.refresh_pairing(&positions(slave)).unwrap();
+            cutback.begin(&interface).unwrap();
         } else {
             interface.update(&positions(slave)).unwrap();
         }
@@ -46,7 +47,21 @@ fn the_hint_stays_until_the_slave_has_a_result() {
     // Cut back: paired at the accepted positions again, then again too far at once.
     assert_eq!(at(start[81], true).factor, 1.0);
     assert_eq!(at(far, false), lost);
+    // An attempt pushes in a slave that was above when it was refreshed: going back forgets that.
+    let above = [4.2, 3.9, 0.1];
+    assert_eq!(at(above, true).factor, 1.0);
+    assert_eq!(at(start[81], false).factor, 1.0);
+    assert!(at(far, false).factor < 1.0);
+    assert_eq!(at(above, true).factor, 1.0);
+    assert_eq!(at(far, false).factor, 1.0);
     // Beyond the border there is no contact to be lost.
     assert_eq!(at(beyond, true).factor, 1.0);
     assert_eq!(at(beyond, false).factor, 1.0);
+    // A slave that penetrates from the start, as after a restart, has contact to lose in the first evaluation.
+    let mut restarted = Cutback::new(1);
+    interface.refresh_pairing(&start).unwrap();
+    restarted.begin(&interface).unwrap();
+    interface.update(&positions(far)).unwrap();
+    restarted.book(interface.evaluate(Mode::Value).unwrap());
+    assert_eq!(restarted.hint(&interface, 0.25), lost);
 }

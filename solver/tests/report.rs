@@ -243,6 +243,26 @@ fn results_that_are_missing_or_damaged_are_refused_in_a_sentence() {
 }
 
 #[test]
+fn a_run_that_was_killed_has_a_report_of_its_increments() {
+    let scratch = Scratch::new("report-killed");
+    let (deck, out) = (scratch.file("block.toml", &block_in(2)), scratch.path("out"));
+    assert_eq!(run(&["solve", &deck, "--out", &out]).code, 0);
+    // What is written at the end.
+    for name in ["summary.json", "skins/surfaces.json", "report.html"] {
+        fs::remove_file(Path::new(&out).join(name)).unwrap();
+    }
+    let page = scratch.path("page.html");
+    assert_eq!(run(&["report", &out, "-o", &page]).code, 0);
+    let Some(dom) = opened(&scratch, &page) else { return };
+    assert!(dom.contains("the run has not ended"));
+    assert!(dom.contains("data-ready=\"true\"") && !dom.contains("data-error=\""));
+    for id in PLANE.into_iter().chain(["contact", "shape"]) {
+        assert!(tag(&dom, id).contains("data-drawn="), "{}", tag(&dom, id));
+    }
+    assert!(!dom.contains("id=\"surfaces\""));
+}
+
+#[test]
 fn results_are_not_replaced_by_their_report() {
     let scratch = Scratch::new("report-onto");
     let (deck, out) = (scratch.file("block.toml", &block_in(2)), scratch.path("out"));

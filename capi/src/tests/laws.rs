@@ -113,6 +113,9 @@ fn functions_of_the_caller_have_the_numbers_of_tables() {
             assert_ne!(status, DC_OK, "{code}");
             assert!(message().starts_with(code), "{code}: {}", message());
             assert!(sum.iter().all(|x| *x == 0.0));
+            let forces = dc_forces(handle, &law, null_mut(), sum.as_mut_ptr(), null_mut(), 4);
+            assert_ne!(forces, DC_OK, "{code}");
+            assert!(message().starts_with(code), "{code}: {}", message());
         };
         refused(tabulated(own), "invalid-option: normal_law");
         refused(dc_law { friction: 0.1, ..own }, "invalid-option: with DC_FUNCTION");

@@ -281,6 +281,8 @@ fn with_windows(installed: &Installed, example: &str) -> String {
         ("0.9, 0.5, 0.5", "0.9, 0.5 7, 0.5", "not a number: line "),
         ("0.9, 0.5, 0.5", "0.9, 0.5/7, 0.5", "not a number: line "),
         ("0.9, 0.5, 0.5", &long, "256 characters or more: line "),
+        ("\n104, 0.405", "\n104.4, 0.405", "a label is not a whole number: line "),
+        ("*FACET\n", "*NODE\n105, 0., 0., 0.\n*FACET\n", "a second node has the label 105"),
     ] {
         assert_eq!(surfaces.matches(one).count(), 1, "{one:?}");
         std::fs::write(&path, surfaces.replace(one, other)).expect("a file");

@@ -36,7 +36,7 @@ from ._results import (
     SlaveGap,
 )
 from ._surface import MasterSurface, tributary_areas
-from ._threads import set_threads, thread_count
+from ._threads import isa, set_isa, set_threads, thread_count
 from ._window import Window, boxes_around, split_history
 
 __all__ = [
@@ -82,6 +82,8 @@ __all__ = [
     "boxes_around",
     "flat_facets",
     "gap",
+    "isa",
+    "set_isa",
     "set_threads",
     "split_history",
     "thread_count",

@@ -345,9 +345,10 @@ class FaceInterface(FrictionHistory):
 
     @property
     def missed(self) -> int:
-        """Points of loaded faces that carry no force in the last evaluation, as their line of force meets no facet.
+        """Points that carry no force in the last evaluation although they have a gap.
 
-        0 in value mode.
+        Of loaded faces those whose line of force meets no place of the facet over them, or whose derivatives overflow;
+        in value mode they are not known. Of all faces, in every mode, those without a place on their own curved face.
 
         Raises:
             InterfaceError: ``"not-evaluated"`` if positions have changed since.

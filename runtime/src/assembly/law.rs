@@ -112,17 +112,20 @@ impl<'a> ContactLaw<'a> {
             return (NormalForce { force, stiffness }, None);
         };
         let at = normal.pressure(k, gap);
-        let force = (area * at.pressure).max(0.0);
+        let force = area * at.pressure;
+        // What is no number stays none.
+        let force = if force > 0.0 || force.is_nan() { force } else { 0.0 };
         (NormalForce { force, stiffness: -area * at.by_gap }, Some(at))
     }
 
-    /// The same of a gap and an area that are numbers, and of a law that may be none.
-    pub(crate) fn checked_normal_force(
-        &self,
-        k: usize,
-        gap: f64,
-        area: f64,
-    ) -> Result<NormalForce, AssemblyError> {
+    /// [`normal_force`](Self::normal_force) of a gap and an area that are numbers, by a law that may give none.
+    ///
+    /// # Errors
+    /// [`AssemblyError::InvalidPressure`] of a normal law, [`AssemblyError::ForceOverflow`].
+    ///
+    /// # Panics
+    /// If there are multipliers, but none for `k`.
+    pub fn checked_normal_force(&self, k: usize, gap: f64, area: f64) -> Result<NormalForce, AssemblyError> {
         let (found, own) = self.force_and_pressure(k, gap, area);
         if let Some(NormalPressure { pressure, by_gap }) = own
             && !(pressure.is_finite() && by_gap.is_finite())

@@ -14,7 +14,7 @@ use std::fmt;
 use part::{Contact, Element, NONE, Numbering, Part, Side};
 use rayon::prelude::*;
 
-use super::{AssemblyError, ContactLaw, DofMap, Tangent, reserve};
+use super::{AssemblyError, ContactLaw, DofMap, Tangent, zeros};
 use crate::Mode;
 use crate::interface::{ContactInterface, ContactRef, InterfaceError, Results};
 
@@ -144,26 +144,19 @@ impl TangentOperator {
     ) -> Result<Self, AssemblyError> {
         let Numbering { dofs, equations: nodes, .. } = numbering;
         let points = parts.iter().map(|part| part.nodes.len()).sum();
-        let mut starts = reserve("nodes", nodes.len() + 1)?;
-        starts.resize(nodes.len() + 1, 0);
+        let mut starts = zeros("nodes", nodes.len() + 1)?;
         for &node in parts.iter().flat_map(|part| &part.nodes) {
             starts[node as usize + 1] += 1;
         }
         for node in 0..nodes.len() {
             starts[node + 1] += starts[node];
         }
-        let mut uses = reserve("points", points)?;
-        uses.resize(points, 0);
+        let mut uses = zeros("points", points)?;
         let mut next = starts.clone();
         for (place, &node) in parts.iter().flat_map(|part| &part.nodes).enumerate() {
             uses[next[node as usize]] = place;
             next[node as usize] += 1;
         }
-        let zeros = |what, count| -> Result<Vec<[f64; 3]>, AssemblyError> {
-            let mut zeros = reserve(what, count)?;
-            zeros.resize(count, [0.0; 3]);
-            Ok(zeros)
-        };
         let (moves, sums) = (zeros("nodes", nodes.len())?, zeros("nodes", nodes.len())?);
         let contributions = zeros("points", points)?;
         let equations = dofs.equations();

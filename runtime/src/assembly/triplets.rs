@@ -73,7 +73,8 @@ impl Triplets {
                 let of_node = |node| dofs.of_node(node);
                 element.nodes().flat_map(of_node).enumerate().filter_map(|(p, row)| Some((p, row?)))
             };
-            self.reserve(freedoms().count())?;
+            let count = freedoms().count();
+            self.reserve(count, count)?;
             for (p, row) in freedoms() {
                 for (q, column) in freedoms() {
                     if triangle == Triangle::Lower && row < column {
@@ -92,9 +93,9 @@ impl Triplets {
         Ok(count)
     }
 
-    /// Makes room for the square of `freedoms`.
-    fn reserve(&mut self, freedoms: usize) -> Result<(), AssemblyError> {
-        let more = freedoms.saturating_mul(freedoms);
+    /// Makes room for a block.
+    pub(crate) fn reserve(&mut self, rows: usize, columns: usize) -> Result<(), AssemblyError> {
+        let more = rows.saturating_mul(columns);
         let count = self.values.len().saturating_add(more);
         let too_large = |_| AssemblyError::TooLarge { what: "triplets", count };
         self.rows.try_reserve(more).map_err(too_large)?;

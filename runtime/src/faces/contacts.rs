@@ -208,10 +208,20 @@ impl FaceContacts {
     /// Hands over the tangent K = −∂R/∂x block by block, in an order that follows from the faces: ε F Gᵀ − Σ W_i ∂t_i/∂x of each node that
     /// carries pressure, and with [`Tangent::Exact`] what turning of normals and of the directions of the forces adds, as far as the
     /// evaluation was for it. It is not symmetric.
-    pub fn for_each_tangent(&self, tangent: Tangent, mut f: impl FnMut(TangentBlock<'_>)) {
-        let mut entries = Vec::new();
+    ///
+    /// # Errors
+    /// [`AssemblyError::TooLarge`] where there is no memory for a block. Some may have been handed over before.
+    pub fn for_each_tangent(
+        &self,
+        tangent: Tangent,
+        mut f: impl FnMut(TangentBlock<'_>),
+    ) -> Result<(), AssemblyError> {
+        let mut entries: Vec<f64> = Vec::new();
         for block in &self.blocks {
             entries.clear();
+            let count = block.forces.len().saturating_mul(block.gradient.len());
+            let too_large = |_| AssemblyError::TooLarge { what: "entries of a block", count };
+            entries.try_reserve(count).map_err(too_large)?;
             entries.extend(block.forces.iter().flat_map(|force| {
                 let factor = block.stiffness * force;
                 block.gradient.iter().map(move |g| factor * g)
@@ -232,17 +242,24 @@ impl FaceContacts {
                 f(TangentBlock { rows, columns, entries });
             }
         }
+        Ok(())
     }
 
     /// The tangent as triplets; zeros are left out.
     ///
     /// # Errors
-    /// [`AssemblyError::UnknownNode`], [`AssemblyError::NotDerived`], [`AssemblyError::Overflow`].
+    /// [`AssemblyError::UnknownNode`], [`AssemblyError::NotDerived`], [`AssemblyError::Overflow`], [`AssemblyError::TooLarge`].
     pub fn triplets(&self, tangent: Tangent, dofs: &DofMap) -> Result<Triplets, AssemblyError> {
         self.check(dofs, if tangent == Tangent::Exact { Mode::Hessian } else { Mode::Gradient })?;
         let (mut triplets, mut error) = (Triplets::new(), None);
         self.for_each_tangent(tangent, |block| {
             let width = 3 * block.columns.len();
+            if let Err(full) = triplets.reserve(3 * block.rows.len(), width) {
+                error.get_or_insert(full);
+            }
+            if error.is_some() {
+                return;
+            }
             for (p, row) in block.entries.chunks_exact(width.max(1)).enumerate() {
                 let Some(equation) = dofs.equation(block.rows[p / 3] as usize, p % 3) else { continue };
                 for (q, &value) in row.iter().enumerate().filter(|(_, value)| **value != 0.0) {
@@ -254,7 +271,7 @@ impl FaceContacts {
                     }
                 }
             }
-        });
+        })?;
         error.map_or(Ok(triplets), Err)
     }
 }

@@ -98,7 +98,8 @@ impl<'a> Coulomb<'a> {
 
     /// The law with a coefficient of pressure and slip rate in a step that lasts `duration` > 0, and the tangential stiffness ε_T > 0.
     ///
-    /// The slip rate of a contact that closes in the step is over the part of the duration since its place of touch.
+    /// The slip rate of a contact that closes in the step is over the part of the duration since its place of touch; after a round of
+    /// augmentation over the whole of it.
     ///
     /// Where μ falls with the rate so fast that p |∂μ/∂v| > ε_T `duration`, the elastic slip snaps: a contact that begins to slide
     /// then loses traction at once.

@@ -1,7 +1,7 @@
 //! When an increment had better be smaller.
 
-use super::{ContactInterface, Contacts, NoContact, Outcome};
-use crate::ElementError;
+use super::{ContactInterface, Contacts, InterfaceError, NoContact, Outcome};
+use crate::{ElementError, Mode};
 
 /// Nothing speaks against the increment.
 const NONE: f64 = 1.0;
@@ -24,15 +24,18 @@ pub struct CutbackHint {
 /// Remembers which slaves penetrated, so as to tell a contact that was torn from its surface by too large an increment from one that
 /// has opened.
 ///
-/// A slave *penetrated* if its gap was negative when it last had one: evaluations and refreshes in which its element has no result leave
-/// that as it is, so that a hint does not depend on how often it is asked for. Outcomes that are no failure of the element, nor of the window (not paired, too
-/// far, no candidate, beyond the border) end it.
+/// A slave *penetrated* if its gap was negative when it last had one since [`begin`](Self::begin): evaluations in which its element has
+/// no result leave that as it is, so that a hint does not depend on how often it is asked for. Outcomes that are no failure of the
+/// element, nor of the window (not paired, too far, no candidate, beyond the border) end it.
 ///
 /// ```
 /// # use diffuse_contact::Mode;
 /// # use diffuse_contact::interface::{ContactInterface, Cutback, InterfaceError};
 /// # fn iterate(interface: &mut ContactInterface, positions: &[[f64; 3]]) -> Result<f64, InterfaceError> {
 /// let mut cutback = Cutback::new(interface.slaves().len());
+/// // At the start of an increment, the first as well as one that is repeated:
+/// interface.refresh_pairing(positions)?;
+/// cutback.begin(interface)?;
 /// // In each iteration:
 /// interface.follow(positions)?;
 /// cutback.book(interface.evaluate(Mode::Hessian)?);
@@ -51,14 +54,25 @@ impl Cutback {
         Self { penetrated: vec![false; slaves] }
     }
 
+    /// To be called after a refresh at the accepted positions: which slaves penetrate there, whatever was booked before. An attempt that
+    /// failed and a restart so leave no trace.
+    ///
+    /// # Errors
+    /// As [`ContactInterface::for_each`], which evaluates the gaps.
+    pub fn begin(&mut self, interface: &ContactInterface) -> Result<(), InterfaceError> {
+        self.penetrated.fill(false);
+        let mut next = self.penetrated.iter_mut();
+        interface.for_each(Mode::Value, |contact| {
+            next.next()
+                .into_iter()
+                .for_each(|penetrated| book(penetrated, &contact.outcome, contact.point.gap));
+        })
+    }
+
     /// Books an evaluation. To be called after each.
     pub fn book(&mut self, contacts: &Contacts) {
         for (penetrated, contact) in self.penetrated.iter_mut().zip(contacts.iter()) {
-            match contact.outcome {
-                Outcome::Contact { .. } => *penetrated = contact.point.gap < 0.0,
-                Outcome::None(NoContact::Element { .. } | NoContact::BeyondWindow { .. }) => {}
-                Outcome::None(_) => *penetrated = false,
-            }
+            book(penetrated, &contact.outcome, contact.point.gap);
         }
     }
 
@@ -79,6 +93,14 @@ impl Cutback {
             }
         }
         hint
+    }
+}
+
+fn book(penetrated: &mut bool, outcome: &Outcome, gap: f64) {
+    match outcome {
+        Outcome::Contact { .. } => *penetrated = gap < 0.0,
+        Outcome::None(NoContact::Element { .. } | NoContact::BeyondWindow { .. }) => {}
+        Outcome::None(_) => *penetrated = false,
     }
 }
 

@@ -35,9 +35,13 @@ impl Evaluator<'_> {
                     let (node, part) = point.other();
                     (node as usize, part)
                 };
+                let mut others: Vec<(usize, f64)> = points.sources.iter().map(other).collect();
+                if others.iter().all(|&(_, part)| part == 0.0) {
+                    others.clear();
+                }
                 let pairing = Pairing {
                     masters: points.sources.iter().map(|point| point.node() as usize).collect(),
-                    others: points.sources.iter().map(other).collect(),
+                    others,
                     positions: points.positions,
                     frame: points.frame,
                     support_radius: points.unit,

@@ -185,16 +185,18 @@ impl Evaluator<'_> {
 
     /// An element of a node and a facet. Derivatives by the corners come first, those by the carriers of an anchor after them.
     fn fill_facet(&self, pairings: &Pairings, mode: Mode, slot: &mut Slot<'_>, scratch: &mut ElementScratch) {
+        if let Some(slip) = &mut slot.slip {
+            *slip.tracked = Tracked::default();
+        }
         let result = pairings.get(slot.index).and_then(|paired| {
             let point = self.element(&paired, mode, slot.gradient, slot.hessian, scratch)?;
             let own = derivatives(mode, self.corners_of(&paired).len());
             let by_carriers = [slot.gradient.get_mut(own.0..), slot.hessian.get_mut(own.1..)];
             by_carriers.into_iter().flatten().for_each(|entries| entries.fill(0.0));
-            if let Some(slip) = &mut slot.slip {
-                *slip.tracked = Tracked::default();
-                if let (Some(anchor), true) = (self.anchor(slot.index), mode >= Mode::Gradient) {
-                    self.fill_slip_of_facet(&paired, (anchor, &point), mode, slip, scratch)?;
-                }
+            if let (Some(slip), Some(anchor)) = (&mut slot.slip, self.anchor(slot.index))
+                && mode >= Mode::Gradient
+            {
+                self.fill_slip_of_facet(&paired, (anchor, &point), mode, slip, scratch)?;
             }
             Ok((point, paired.record.fallback))
         });

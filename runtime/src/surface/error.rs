@@ -49,11 +49,17 @@ pub enum SurfaceError {
         "symmetry plane {plane} has a normal of length {length}, not a unit vector, or a point that is not finite"
     )]
     InvalidSymmetry { plane: usize, length: f64 },
+    /// Two symmetry planes meet at an angle in the surface at which their images do not fill all round.
+    #[error(
+        "symmetry planes {} and {} meet at {degrees} degrees on the side of the surface: it has to be 180 degrees over a whole number, or they \
+         are parallel", planes[0], planes[1]
+    )]
+    SymmetryAngle { planes: [usize; 2], degrees: f64 },
     /// Symmetry planes have too many images near the surface. `images` were found before the search was given up; `reach` is the length of
     /// eight of the largest facets.
     #[error(
-        "the symmetry planes have more than {images} images within {reach:e} of the surface: planes have to be parallel or at 180 degrees \
-         over a whole number, and parallel ones no nearer to one another than a thirtieth of the largest facet"
+        "the symmetry planes have more than {images} images within {reach:e} of the surface: parallel ones may be no nearer to one another \
+         than a thirtieth of the largest facet"
     )]
     TooManyImages { images: usize, reach: f64 },
     /// The surface lies on both sides of a symmetry plane.
@@ -79,6 +85,7 @@ impl SurfaceError {
             Self::InconsistentOrientation { .. } => "inconsistent-orientation",
             Self::TooFewPositions { .. } => "too-few-positions",
             Self::InvalidSymmetry { .. } => "invalid-symmetry",
+            Self::SymmetryAngle { .. } => "invalid-symmetry-angle",
             Self::TooManyImages { .. } => "too-many-images",
             Self::CutBySymmetry { .. } => "cut-by-symmetry",
         }

@@ -1,5 +1,7 @@
 //! Symmetry planes: the master surface goes on beyond them as its own mirror image.
 
+use std::f64::consts::PI;
+
 use super::SurfaceError;
 use super::extents::Extents;
 use crate::Point;
@@ -13,6 +15,8 @@ const MOST_IMAGES: usize = 512;
 const SAME_IMAGE: f64 = 1e-9;
 /// Nodes may lie as far behind a plane as this fraction of the largest facet.
 const BEHIND: f64 = 0.01;
+/// Planes may be as far as this off 180° over a whole number, radians.
+const ANGLE_TOLERANCE: f64 = 1e-6;
 /// A unit normal may be as long as this off 1.
 const UNIT_TOLERANCE: f64 = 1e-9;
 
@@ -101,8 +105,8 @@ impl Symmetry {
     /// The images that come within `reach` of the model, all of which lies in the box from `low` to `high`.
     ///
     /// # Errors
-    /// [`SurfaceError::InvalidSymmetry`] for a plane whose normal is no unit vector; [`SurfaceError::TooManyImages`] for planes that
-    /// are not parallel and do not meet at 180° over a whole number, or are too near to one another.
+    /// [`SurfaceError::InvalidSymmetry`] for a plane whose normal is no unit vector; [`SurfaceError::SymmetryAngle`] for planes that are not
+    /// parallel and do not meet at 180° over a whole number; [`SurfaceError::TooManyImages`] for such as are too near to one another.
     pub fn new(planes: &[SymmetryPlane], reach: f64, [low, high]: [Point; 2]) -> Result<Self, SurfaceError> {
         check(planes)?;
         let corners: Vec<Point> = (0..8)
@@ -112,6 +116,11 @@ impl Symmetry {
             let heights = corners.iter().map(|&x| plane.distance(image.of(x)));
             heights.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| (low.min(x), high.max(x)))
         };
+        let inward = |plane: &SymmetryPlane| {
+            let (low, high) = interval(plane, &Image::IDENTITY);
+            Vector3::from(plane.normal) * if low + high < 0.0 { -1.0 } else { 1.0 }
+        };
+        check_angles(&planes.iter().map(inward).collect::<Vec<_>>())?;
         // Seen along the normal of any plane, the image has to be near the model.
         let is_near = |image: &Image| {
             planes.iter().all(|plane| {
@@ -265,6 +274,25 @@ fn check(planes: &[SymmetryPlane]) -> Result<(), SurfaceError> {
     Ok(())
 }
 
+/// Refuses planes that do not meet at 180° over a whole number in the model, whose side the normals point to: a mirror image of the model
+/// would lie in it.
+fn check_angles(normals: &[Vector3]) -> Result<(), SurfaceError> {
+    for (second, n) in normals.iter().enumerate() {
+        for (first, m) in normals[..second].iter().enumerate() {
+            let angle = m.cross(n).norm().atan2(-m.dot(n));
+            let parts = (PI / angle).round();
+            let is_parallel = angle.min(PI - angle) <= ANGLE_TOLERANCE;
+            if !is_parallel && (angle - PI / parts).abs() > ANGLE_TOLERANCE {
+                return Err(SurfaceError::SymmetryAngle {
+                    planes: [first, second],
+                    degrees: angle.to_degrees(),
+                });
+            }
+        }
+    }
+    Ok(())
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -316,11 +344,34 @@ mod tests {
     }
 
     #[test]
-    fn planes_that_never_close_are_refused() {
-        let (s, c) = 0.3_f64.sin_cos();
-        let planes =
-            [SymmetryPlane::across(0, [0.0; 3]), SymmetryPlane { point: [0.0; 3], normal: [s, c, 0.0] }];
-        let error = Symmetry::new(&planes, 1.0, [[0.0; 3], [1.0; 3]]).unwrap_err();
+    fn planes_at_another_angle_or_too_near_are_refused() {
+        // Two planes with the model between them, at an angle in degrees.
+        let at = |degrees: f64| {
+            let (s, c) = degrees.to_radians().sin_cos();
+            let other = SymmetryPlane { point: [0.0; 3], normal: [s, -c, 0.0] };
+            let (s, c) = (0.5 * degrees).to_radians().sin_cos();
+            let model = [[5.0 * c, 5.0 * s, 0.0], [5.0 * c + 0.1, 5.0 * s + 0.1, 1.0]];
+            Symmetry::new(&[SymmetryPlane::across(1, [0.0; 3]), other], 20.0, model)
+        };
+        for parts in 2..20 {
+            let symmetry = at(180.0 / f64::from(parts)).unwrap();
+            assert_eq!(symmetry.images.len(), 2 * parts as usize - 1, "{parts}");
+        }
+        for degrees in [17.0, 50.0, 72.0, 100.0, 120.0, 135.0] {
+            let error = at(degrees).unwrap_err();
+            let SurfaceError::SymmetryAngle { planes: [0, 1], degrees: found } = error else {
+                panic!("{error}");
+            };
+            assert!((found - degrees).abs() < 1e-9);
+        }
+        // The normals may point away from the model.
+        let flipped = |k: f64| SymmetryPlane { point: [0.0; 3], normal: [k, 0.0, 0.0] };
+        let model = [[1.0, 1.0, 0.0], [2.0; 3]];
+        let planes = [flipped(-1.0), SymmetryPlane { point: [0.0; 3], normal: [-0.6, 0.8, 0.0] }];
+        let error = Symmetry::new(&planes, 1.0, model).unwrap_err();
+        assert!(error.to_string().contains("53.13"), "{error}");
+        let thin = SymmetryPlane { point: [0.001, 0.0, 0.0], normal: [-1.0, 0.0, 0.0] };
+        let error = Symmetry::new(&[flipped(1.0), thin], 1.0, [[0.0; 3], [0.001, 1.0, 1.0]]).unwrap_err();
         assert!(matches!(error, SurfaceError::TooManyImages { images: MOST_IMAGES, .. }));
         let long = SymmetryPlane { point: [0.0; 3], normal: [0.0, 2.0, 0.0] };
         let error = Symmetry::new(&[long], 1.0, [[0.0; 3], [1.0; 3]]).unwrap_err();

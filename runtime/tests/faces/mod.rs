@@ -324,10 +324,12 @@ fn assert_tangent_at(
     let size = dofs.equations();
     let mut dense = vec![0.0; size * size];
     let contacts = interface.evaluate(law, Mode::Hessian).unwrap().clone();
-    contacts.for_each_tangent(Tangent::Exact, |block| {
-        let holds = |clique: &[u32]| block.columns.iter().all(|node| clique.binary_search(node).is_ok());
-        assert!(interface.cliques().any(holds));
-    });
+    contacts
+        .for_each_tangent(Tangent::Exact, |block| {
+            let holds = |clique: &[u32]| block.columns.iter().all(|node| clique.binary_search(node).is_ok());
+            assert!(interface.cliques().any(holds));
+        })
+        .unwrap();
     assert_products(&contacts, &dofs);
     assert_products(
         &contacts,

@@ -98,10 +98,12 @@ impl Pass for FacePass {
     }
 
     fn add_tangent(&mut self, matrix: &mut BlockMatrix, tangent: Tangent) -> Result<Symmetry, PassError> {
+        let mut symmetry = Symmetry::Symmetric;
         self.interface.contacts().for_each_tangent(tangent, |block| {
+            symmetry = Symmetry::General;
             matrix.add_rectangle(block.rows, block.columns, block.entries)
-        });
-        Ok(Symmetry::General)
+        })?;
+        Ok(symmetry)
     }
 
     fn has_history(&self) -> bool {

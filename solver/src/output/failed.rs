@@ -4,7 +4,7 @@ use serde::{Deserialize, Serialize};
 
 use super::{Fields, RecorderOptions, Skin, SkinFrame};
 use crate::model::Model;
-use crate::statics::{FailedIncrement, Problem, State};
+use crate::statics::{FailedIncrement, Failure, Problem, State};
 
 /// Nodes that are named.
 const WORST: usize = 10;
@@ -23,7 +23,8 @@ pub struct Failed {
     /// Linear solutions before each of them; empty in what an earlier version wrote.
     #[serde(default)]
     pub iterations: Vec<usize>,
-    /// The nodes with the largest residuals at its last evaluation, the worst first.
+    /// The nodes with the largest residuals at its last evaluation, the worst first; none where forces could not be evaluated after its
+    /// beginning.
     pub worst: Vec<WorstNode>,
     /// The skin where it was left; `None` if a position is no number.
     pub frame: Option<SkinFrame>,
@@ -45,6 +46,8 @@ pub struct WorstNode {
 /// An increment that failed, which may be tried again with a shorter one.
 pub(super) struct FailedTry {
     failed: Failed,
+    /// Whether forces are known of where it was left, and not only of where it began.
+    has_forces: bool,
     /// Where the nodes were left.
     positions: Vec<[f64; 3]>,
 }
@@ -63,7 +66,9 @@ impl FailedTry {
             iterations: failed.history.iter().map(|record| record.iteration).collect(),
             ..Failed::default()
         };
-        Self { failed: failed_so_far, positions: failed.positions.to_vec() }
+        let is_evaluated = !matches!(failed.reason, Failure::Inverted(_) | Failure::Contact(_));
+        let has_forces = is_evaluated || failed.history.len() > 1;
+        Self { failed: failed_so_far, has_forces, positions: failed.positions.to_vec() }
     }
 
     /// With its shape and worst nodes, for which it has to be the last evaluation of `problem`. `committed`: where the increment began.
@@ -75,7 +80,7 @@ impl FailedTry {
         options: &RecorderOptions,
         committed: &State,
     ) -> Failed {
-        let Self { failed, positions } = self;
+        let Self { failed, has_forces, positions } = self;
         let is_finite = positions.iter().flatten().all(|x| x.is_finite());
         let frame = is_finite.then(|| {
             let points = problem.last_points().to_vec();
@@ -89,7 +94,8 @@ impl FailedTry {
             frame.fields.retain(|_, values| values.iter().all(|value| value.is_finite()));
             frame
         });
-        Failed { worst: worst(problem, model, &positions), frame, ..failed }
+        let worst = if has_forces { worst(problem, model, &positions) } else { Vec::new() };
+        Failed { worst, frame, ..failed }
     }
 }
 

@@ -19,7 +19,10 @@ pub use surface::{Master, SurfaceSample, sample_surfaces};
 
 use shown::{Frame, Surface};
 
-use crate::output::{Failed, OutputError, SKIN, Skin, SkinFrame, Summary, names, read_history, read_json};
+use crate::deck::Deck;
+use crate::output::{
+    Failed, History, OutputError, SKIN, Skin, SkinFrame, Summary, names, read_history, read_json,
+};
 
 /// What the page is made of.
 const PAGE: &str = include_str!("page.html");
@@ -153,21 +156,37 @@ fn read_run(directory: &Path, runs: usize) -> Result<Run, OutputError> {
     }
     let skins = directory.join(names::SKINS);
     let mut notes = Vec::new();
-    let surfaces = shown::surfaces(&read_surfaces(&skins.join(SURFACES))?, runs, &mut notes);
+    let summary = directory.join(names::SUMMARY);
+    let (summary, surfaces) = if summary.exists() {
+        (read_json(&summary)?, read_surfaces(&skins.join(SURFACES))?)
+    } else {
+        (unfinished(directory, &increments), Vec::new())
+    };
+    let surfaces = shown::surfaces(&surfaces, runs, &mut notes);
     let (skin, frames) = read_frames(&skins, read_skin(&skins.join(SKIN))?, runs, &mut notes)?;
     let failed = directory.join(names::FAILED);
     let failed = if failed.exists() { Some(read_failed(&failed, &skin)?) } else { None };
-    Ok(Run {
-        failed,
-        label: String::new(),
-        summary: read_json(&directory.join(names::SUMMARY))?,
-        history,
-        residuals,
-        frames,
-        skin,
-        surfaces,
-        notes,
-    })
+    Ok(Run { failed, label: String::new(), summary, history, residuals, frames, skin, surfaces, notes })
+}
+
+/// Of a run that goes on, or was killed: its increments so far.
+fn unfinished(directory: &Path, increments: &History) -> Summary {
+    let deck = fs::read_to_string(directory.join(names::DECK)).ok().and_then(|text| Deck::parse(&text).ok());
+    let last = |column| increments.rows.last().map_or(0.0, |row| increments.value(row, column));
+    Summary {
+        title: deck.map_or_else(String::new, |deck| deck.title),
+        reason: "the run has not ended".to_owned(),
+        time: last("time"),
+        increments: increments.rows.len(),
+        newton_iterations: increments
+            .rows
+            .iter()
+            .map(|row| increments.value(row, "iterations") as usize)
+            .sum(),
+        max_penetration: last("max_penetration"),
+        wall_s: last("wall_s"),
+        ..Summary::default()
+    }
 }
 
 /// The shape is left out where that of the run is.

@@ -333,11 +333,14 @@ impl Solid {
         energies.into_iter().sum::<Result<f64, SolidError>>().map_err(|error| self.named(error))
     }
 
-    /// c E L h, force, with c = 5e-16: about what rounding of coordinates makes of the forces on a node. E is the largest modulus, L the
-    /// largest extent of the elements along an axis, h their mean size.
+    /// c E L h, force, with c = 5e-16: about what rounding of coordinates makes of the forces on a node of the softest body. E is the least
+    /// modulus, L the largest extent of the elements along an axis, h their mean size.
     pub fn rounding_of_forces(&self, positions: &[[f64; 3]]) -> f64 {
         const ROUNDING: f64 = 5e-16;
-        let young = self.bodies.iter().map(|body| body.law.young_modulus()).fold(0.0, f64::max);
+        let young = self.bodies.iter().map(|body| body.law.young_modulus()).fold(f64::INFINITY, f64::min);
+        if self.is_empty() {
+            return 0.0;
+        }
         let extent = |axis: usize| {
             let along = self.elements().flatten().map(|&node| positions[node][axis]);
             let (low, high) = along.fold((f64::MAX, f64::MIN), |(low, high), x| (x.min(low), x.max(high)));

@@ -250,6 +250,7 @@ impl<'a> Increment<'a> {
         match self.settle() {
             Ok(balance) => Ok(Some(balance)),
             Err(Failure::Inverted(_)) => {
+                self.step = 0.0;
                 self.positions.copy_from_slice(&self.committed.positions);
                 self.problem.refresh(RefreshRule::Iteration, &self.positions)?;
                 Ok(None)
@@ -378,9 +379,13 @@ impl<'a> Increment<'a> {
     ) -> Result<Vec<f64>, Failure> {
         self.iterations += 1;
         let is_alone = self.problem.is_of_the_bodies_alone();
+        // Where the increment begins, not where a line through the last two states leads.
+        let is_start = self.iterations == 1 && self.positions == self.committed.positions;
         let solved = self.problem.solve(self.end, &self.positions, prescribed, accuracy);
-        // Neither at the start nor with contacts that were supposed does a shorter increment hold what is loose.
-        let is_final = is_alone && (self.iterations == 1 || self.problem.supposed > 0);
+        let had_contact = self.committed.loaded.iter().any(|slaves| !slaves.is_empty());
+        // A shorter increment has the same stiffness at its start. Contacts that were supposed it has to suppose again, unless it begins
+        // with some.
+        let is_final = is_alone && (is_start || self.problem.supposed > 0 && !had_contact);
         let time = self.committed.time;
         solved.map_err(|failure| if is_final { failure.without_contact(time) } else { failure })
     }

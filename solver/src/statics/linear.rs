@@ -102,8 +102,6 @@ impl Problem {
             self.stabilised += usize::from(!loose.is_empty());
         }
         let solved = self.solve_system(&system, step);
-        // Of the next matrix of this pattern nothing is known from this one.
-        self.solver.forget();
         self.stiffness = Some(system.matrix);
         solved.map_err(|error| Failure::of_system(error, loose))
     }
@@ -170,8 +168,8 @@ impl Problem {
         self.timing.solid += solid - linear;
         let before = matrix.rows_of(if self.solver.may_iterate() { &self.coupled } else { &[] });
         let norms = [self.balance.residual, self.balance.scale];
-        let of_contact = self.contacts.add_tangent(&mut matrix, norms, tangent)?;
-        let operator = self.contacts.operator(norms, tangent)?;
+        let of_contact = self.contacts.add_tangent(&mut matrix, norms, tangent).map_err(Failure::Contact)?;
+        let operator = self.contacts.operator(norms, tangent).map_err(Failure::Contact)?;
         self.timing.contact += solid.elapsed();
         let has_followers = self.pressures.iter().any(|pressure| pressure.follower);
         let symmetry = if has_followers { Symmetry::General } else { of_contact };

@@ -203,20 +203,19 @@ impl Statics {
             return Err(error);
         }
         let time = self.settings.time;
-        // Of the failed try only its price is kept.
-        state.iterations = iterations;
-        state.cutbacks += 1;
-        // The path may have turned.
-        state.past = None;
-        self.effort.cutbacks += 1;
         // The last increment may be shorter than was planned.
         let length = end - state.time;
-        let control = observer.cut_back(end, length, &failure);
-        state.length = time.cut(length);
-        if state.length < time.minimum {
+        if time.cut(length) < time.minimum {
             let (time, minimum, reason) = (state.time, time.minimum, Box::new(failure));
             return Err(StaticsError::NoConvergence { time, length, minimum, reason });
         }
-        Ok(control)
+        // Of the failed try only its price is kept.
+        state.iterations = iterations;
+        state.cutbacks += 1;
+        state.length = time.cut(length);
+        // The path may have turned.
+        state.past = None;
+        self.effort.cutbacks += 1;
+        Ok(observer.cut_back(end, length, &failure))
     }
 }

@@ -161,12 +161,12 @@ impl TimeSettings {
         length.min(self.maximum)
     }
 
-    /// The end of an increment planned to be `length` long: the next of `stops` (ascending) or the end of time if it would go beyond,
-    /// exactly. If it ends within rounding of a stop it stays as planned: that stop counts as met.
+    /// The end of an increment planned to be `length` long: the next of `stops` (ascending) or the end of time, exactly, if it would go
+    /// beyond or within rounding of it.
     pub(super) fn next(&self, time: f64, length: f64, stops: &[f64]) -> f64 {
         let end = time + length;
         match self.stop_after(time, stops) {
-            Some(stop) if !self.has_reached(stop, end) => stop,
+            Some(stop) if self.has_reached(end, stop) => stop,
             _ if self.is_over(end) => self.end,
             _ => end,
         }

@@ -107,16 +107,6 @@ impl LinearSolver {
         self.choice != LinearSolverChoice::Direct
     }
 
-    /// Treats the next matrix as one of a new structure when it looks for singular ones.
-    pub fn forget(&mut self) {
-        self.direct.forget();
-    }
-
-    #[cfg(test)]
-    pub(crate) fn is_probed(&self) -> bool {
-        self.direct.is_probed()
-    }
-
     /// Solves K x = b; an iterative solution is as accurate as asked. `rhs` and `solution` are over all nodes;
     /// prescribed ones are not read, and 0 in the solution.
     ///

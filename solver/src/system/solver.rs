@@ -6,7 +6,7 @@ use faer::Par;
 use faer::sparse::linalg::LuError;
 use faer::sparse::{SparseColMatRef, SymbolicSparseColMatRef};
 
-use super::condition::{growth, largest, probe, row_norm};
+use super::condition::{norm, scale, weakness};
 use super::factor::{GeneralFactor, SymmetricFactor};
 use super::{BlockMatrix, BlockPattern, Equations, SystemError};
 
@@ -19,8 +19,8 @@ const MAX_REFINEMENTS: usize = 2;
 const ACCEPTABLE: f64 = 1e-6;
 /// Ratio of a pivot to its diagonal entry below which it may be a zero that rounding hides.
 const SMALL_PIVOT: f64 = 1e-13;
-/// Condition beyond which a solution has no digit left.
-const SINGULAR: f64 = 1e15;
+/// A direction that the matrix makes less of is one of rounding: nine times the machine's precision.
+const SINGULAR: f64 = 2e-15;
 
 /// What is known of the matrix.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -43,7 +43,7 @@ pub enum Method {
 /// How a solution went.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SolveReport {
-    /// ‖b − K x‖ / ‖b‖ in the Euclidean norm.
+    /// ‖D (b − K x)‖ / ‖D b‖ in the Euclidean norm, with the D that makes rows and columns of D K D about the same size.
     pub residual: f64,
     /// The factorisation that was used: General for a symmetric matrix if the other was not good enough.
     pub method: Method,
@@ -57,14 +57,14 @@ pub struct DirectSolver {
     structure: Option<Structure>,
     symmetric: Option<SymmetricFactor>,
     general: Option<GeneralFactor>,
-    /// Entries of the free part, column by column.
+    /// Entries of the free part, column by column, of D K D.
     values: Vec<f64>,
-    /// Largest sum of the moduli of a row.
-    norm: f64,
+    /// D, for rows and columns of about the same size.
+    scale: Vec<f64>,
+    /// The least that the matrix makes of a direction.
+    weakness: f64,
     /// The factors that are those of `values`.
     current: Option<Method>,
-    /// Whether a matrix of this structure has answered a load without order by its symmetric factors.
-    is_probed: bool,
     rhs: Vec<f64>,
     solution: Vec<f64>,
     residual: Vec<f64>,
@@ -87,16 +87,6 @@ impl DirectSolver {
         Self { threads, ..Self::default() }
     }
 
-    /// Treats the next matrix as one of a new structure when it looks for singular ones.
-    pub fn forget(&mut self) {
-        self.is_probed = false;
-    }
-
-    #[cfg(test)]
-    pub(crate) fn is_probed(&self) -> bool {
-        self.is_probed
-    }
-
     /// Factorises the part of `matrix` that belongs to the free equations.
     ///
     /// # Errors
@@ -115,12 +105,12 @@ impl DirectSolver {
         if !self.structure.as_ref().is_some_and(|structure| structure.is_of(matrix.pattern(), equations)) {
             self.symmetric = None;
             self.general = None;
-            self.is_probed = false;
             self.structure = Some(Structure::new(matrix.pattern(), equations)?);
         }
         let Some(structure) = &self.structure else { unreachable!("it was made above") };
         structure.gather(matrix, &mut self.values)?;
-        self.norm = row_norm(&structure.rows, &self.values, structure.equations.len());
+        self.scale = scale(structure.matrix(&self.values));
+        structure.scale(&mut self.values, &self.scale);
         if equations.is_empty() {
             self.current = Some(Method::Symmetric);
             return Ok(());
@@ -166,6 +156,7 @@ impl DirectSolver {
             structure.equations.scatter(&[], solution);
             return Ok(SolveReport { residual: 0.0, method });
         }
+        self.rhs.iter_mut().zip(&self.scale).for_each(|(b, d)| *b *= d);
         let mut report = self.solve_refined(method)?;
         if method == Method::Symmetric && !(report.residual <= ACCEPTABLE) {
             self.factorise_general(report.residual)?;
@@ -173,10 +164,10 @@ impl DirectSolver {
             report = self.solve_refined(method)?;
         }
         if !(report.residual <= ACCEPTABLE) {
-            let condition = growth(self.norm, &self.solution, &self.rhs);
             self.current = None;
-            return Err(self.singular(report.residual, condition));
+            return Err(self.singular(report.residual));
         }
+        self.solution.iter_mut().zip(&self.scale).for_each(|(x, d)| *x *= d);
         if let Some(structure) = &self.structure {
             structure.equations.scatter(&self.solution, solution);
         }
@@ -187,8 +178,7 @@ impl DirectSolver {
     fn factorise_symmetric(&mut self) -> Result<bool, SystemError> {
         let par = self.parallelism();
         let Some(structure) = &self.structure else { unreachable!("it was made before its factors") };
-        let equations = structure.equations.len();
-        let too_large = SystemError::TooLarge { equations };
+        let too_large = SystemError::TooLarge { equations: structure.equations.len() };
         // There need not be memory for both.
         self.general.iter_mut().for_each(GeneralFactor::release);
         let factor = match &mut self.symmetric {
@@ -200,26 +190,23 @@ impl DirectSolver {
             return Ok(false);
         }
         // Rounding may leave a pivot larger than that where there should be none.
-        if !self.is_probed {
-            let probe = probe(equations);
-            self.candidate.clone_from(&probe);
-            factor.solve(&mut self.candidate, par).map_err(|_| too_large)?;
-            if !(growth(self.norm, &self.candidate, &probe) < SINGULAR) {
-                return Ok(false);
-            }
-            self.is_probed = true;
+        let matrix = structure.matrix(&self.values);
+        self.weakness = weakness(matrix, |x| factor.solve(x, par)).map_err(|_| too_large)?;
+        // What is no number says something of the factors only.
+        if self.weakness <= SINGULAR {
+            return Err(self.singular(1.0));
         }
-        self.current = Some(Method::Symmetric);
-        Ok(true)
+        let is_sound = self.weakness.is_finite();
+        self.current = is_sound.then_some(Method::Symmetric);
+        Ok(is_sound)
     }
 
-    /// Makes the general factors and estimates the condition. `residual` is what was achieved without them.
+    /// Makes the general factors and looks for the weakest direction. `residual` is what was achieved without them.
     fn factorise_general(&mut self, residual: f64) -> Result<(), SystemError> {
         self.current = None;
         let par = self.parallelism();
         let Some(structure) = &self.structure else { unreachable!("it was made before its factors") };
-        let equations = structure.equations.len();
-        let too_large = SystemError::TooLarge { equations };
+        let too_large = SystemError::TooLarge { equations: structure.equations.len() };
         self.symmetric.iter_mut().for_each(SymmetricFactor::release);
         let factor = match &mut self.general {
             Some(factor) => factor,
@@ -227,15 +214,16 @@ impl DirectSolver {
         };
         match factor.factorise(structure.matrix(&self.values), par) {
             Ok(()) => {}
-            Err(LuError::SymbolicSingular { .. }) => return Err(self.singular(residual, f64::INFINITY)),
+            Err(LuError::SymbolicSingular { .. }) => {
+                self.weakness = 0.0;
+                return Err(self.singular(residual));
+            }
             Err(LuError::Generic(_)) => return Err(too_large),
         }
-        let probe = probe(equations);
-        self.candidate.clone_from(&probe);
-        factor.solve(&mut self.candidate, par).map_err(|_| too_large)?;
-        let condition = growth(self.norm, &self.candidate, &probe);
-        if !(condition < SINGULAR) {
-            return Err(self.singular(residual, condition));
+        let matrix = structure.matrix(&self.values);
+        self.weakness = weakness(matrix, |x| factor.solve(x, par)).map_err(|_| too_large)?;
+        if !(self.weakness > SINGULAR && self.weakness.is_finite()) {
+            return Err(self.singular(residual));
         }
         self.current = Some(Method::General);
         Ok(())
@@ -279,8 +267,9 @@ impl DirectSolver {
         Ok(SolveReport { residual: best, method })
     }
 
-    fn singular(&self, residual: f64, condition: f64) -> SystemError {
+    fn singular(&self, residual: f64) -> SystemError {
         let equations = self.structure.as_ref().map_or(0, |structure| structure.equations.len());
+        let condition = if self.weakness.is_finite() { 1.0 / self.weakness } else { f64::INFINITY };
         SystemError::Singular { equations, residual, condition }
     }
 
@@ -346,6 +335,15 @@ impl Structure {
         }
     }
 
+    /// K ← D K D
+    fn scale(&self, values: &mut [f64], scale: &[f64]) {
+        for (column, entries) in self.columns() {
+            for (value, &row) in values[entries.clone()].iter_mut().zip(&self.rows[entries]) {
+                *value *= scale[row as usize] * scale[column];
+            }
+        }
+    }
+
     fn not_finite(&self, equation: usize, value: f64) -> SystemError {
         let (node, axis) = self.equations.place(equation);
         SystemError::NotFinite { equation, node, axis, value }
@@ -374,13 +372,4 @@ impl Structure {
             }
         }
     }
-}
-
-/// Euclidean, of numbers of any size.
-fn norm(values: &[f64]) -> f64 {
-    let scale = largest(values);
-    if scale == 0.0 || !scale.is_finite() {
-        return scale;
-    }
-    scale * values.iter().map(|value| (value / scale).powi(2)).sum::<f64>().sqrt()
 }

@@ -147,7 +147,7 @@ impl Isa {
     }
 
     /// The widest of the [available](Self::available), unless [`prefer`](Self::prefer) or the environment variable
-    /// `DIFFUSE_CONTACT_ISA`, read once, names another one that it has. Where this crate is compiled without
+    /// `DIFFUSE_CONTACT_ISA`, read once, names another one that it has; one that it has not is told on the standard error stream. Where this crate is compiled without
     /// optimisation, one number at a time: its kernels are compiled for nothing else there. Kernels of a crate of one's own may be
     /// compiled otherwise than this one:
     /// [`KernelSet::best_isa`](super::KernelSet::best_isa).
@@ -156,8 +156,16 @@ impl Isa {
             return Self::SCALAR;
         }
         *BEST.get_or_init(|| {
-            let wanted = std::env::var(VARIABLE).ok().and_then(|name| Self::named(&name));
-            wanted.or_else(|| Self::available().next_back()).unwrap_or(Self::SCALAR)
+            let widest = Self::available().next_back().unwrap_or(Self::SCALAR);
+            let Ok(name) = std::env::var(VARIABLE) else { return widest };
+            Self::named(&name).unwrap_or_else(|| {
+                // Results would differ by rounding from those that were asked for.
+                eprintln!(
+                    "{VARIABLE}={name} is not among this machine's instructions: {} are used",
+                    widest.name()
+                );
+                widest
+            })
         })
     }
 

@@ -5,7 +5,7 @@ use faer::sparse::linalg::LuError;
 use faer::sparse::{SparseColMatRef, SymbolicSparseColMatRef};
 
 use super::sparse::Sparse;
-use crate::system::condition::{growth, probe, row_norm};
+use crate::system::condition::weakness;
 use crate::system::factor::{GeneralFactor, SymmetricFactor};
 use crate::system::{Symmetry, SystemError};
 
@@ -89,7 +89,7 @@ impl<const N: usize> Bottom<N> {
                 }
                 Factor::Symmetric(factor)
             }
-            Symmetry::General => Factor::General(general(csc, row_norm(&rows, &values, size), equations)?),
+            Symmetry::General => Factor::General(general(csc, equations)?),
         };
         Ok(Self { factor, places, nodes: active.len(), equations })
     }
@@ -115,12 +115,8 @@ impl<const N: usize> Bottom<N> {
     }
 }
 
-/// Factors of a matrix of this norm. Of their pivots nothing is known: a load without order tells whether they are of use.
-fn general(
-    matrix: SparseColMatRef<'_, u32, f64>,
-    norm: f64,
-    equations: usize,
-) -> Result<GeneralFactor, SystemError> {
+/// Factors of a matrix. Of their pivots nothing is known: its weakest direction tells whether they are of use.
+fn general(matrix: SparseColMatRef<'_, u32, f64>, equations: usize) -> Result<GeneralFactor, SystemError> {
     let too_large = SystemError::TooLarge { equations };
     let singular = |condition| SystemError::Singular { equations, residual: 1.0, condition };
     let mut factor = GeneralFactor::new(matrix.symbolic()).map_err(|_| too_large)?;
@@ -128,12 +124,11 @@ fn general(
         LuError::SymbolicSingular { .. } => singular(f64::INFINITY),
         LuError::Generic(_) => too_large,
     })?;
-    let load = probe(matrix.ncols());
-    let mut answer = load.clone();
-    factor.solve(&mut answer, Par::Seq).map_err(|_| too_large)?;
-    let condition = growth(norm, &answer, &load);
-    if !load.is_empty() && !(condition < 1.0 / SMALL_PIVOT) {
-        return Err(singular(condition));
+    if matrix.ncols() > 0 {
+        let least = weakness(matrix, |x| factor.solve(x, Par::Seq)).map_err(|_| too_large)?;
+        if !(least > ROUNDING && least.is_finite()) {
+            return Err(singular(if least.is_finite() { 1.0 / least } else { f64::INFINITY }));
+        }
     }
     Ok(factor)
 }

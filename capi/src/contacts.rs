@@ -230,9 +230,8 @@ pub unsafe extern "C" fn dc_forces(
 /// - 0.5, for a slave that penetrated and whose foot lies outside its domain of influence in the last evaluation;
 /// - 0.25, for one whose element failed otherwise: no foot, singular fit, overflow.
 ///
-/// A slave penetrated if its gap was negative when it last had one; that it is not paired, too far, without a candidate or a facet over it,
-/// or beyond the border ends it. Contacts
-/// that a refresh loses are in dc_report (contacts_lost, lost_gap).
+/// A slave penetrated if its gap was negative when it last had one since dc_refresh, or there; that it is not paired, too far, without a
+/// candidate or a facet over it, or beyond the border ends it. Contacts that a refresh loses are in dc_report (contacts_lost, lost_gap).
 ///
 /// # Safety
 /// `factor` may be written.

@@ -58,6 +58,8 @@ pub struct UnreadElement {
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct Unread {
     pub elements: Vec<UnreadElement>,
+    /// Elements by their type that are read as lines or facets, and are more than that where the file comes from.
+    pub stiff: BTreeMap<String, usize>,
     pub in_sets: BTreeMap<String, usize>,
     pub in_surfaces: BTreeMap<String, usize>,
     pub faces: BTreeMap<String, String>,
@@ -82,6 +84,12 @@ impl Mesh {
     /// Elements of types that are not supported; whoever asks for a set that holds one gets an error.
     pub fn unread_elements(&self) -> &[UnreadElement] {
         &self.unread.elements
+    }
+
+    /// How many trusses, beams, shells and membranes of each type an Abaqus file has: they are lines and facets of the mesh, without what
+    /// stiffness they have there.
+    pub fn stiff_lines_and_facets(&self) -> &BTreeMap<String, usize> {
+        &self.unread.stiff
     }
 
     /// Constraints between nodes that an Abaqus file has, of the instance that is read and of the whole assembly: the mesh goes without them.

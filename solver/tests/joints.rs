@@ -99,7 +99,13 @@ fn elements_that_are_not_read_are_told() {
                 *ELEMENT, TYPE=MASS, ELSET=M\n24, 1\n";
     let (warnings, _) = pulled("springs", &cubes(true, more), WHOLE);
     let [springs] = &warnings[..] else { panic!("{warnings:?}") };
-    assert!(springs.contains("are not read: 1 of type B33, 2 of type SPRINGA;"), "{springs}");
+    assert!(springs.contains("have no stiffness here: 1 of type B33, 2 of type SPRINGA;"), "{springs}");
+    // Beams and shells are lines and facets; facets as Gmsh writes them never were more.
+    let more = "*ELEMENT, TYPE=B31, ELSET=S\n21, 1, 2\n*ELEMENT, TYPE=S4R, ELSET=L\n22, 1, 2, 4, 3\n23, 1, 2, 4, 3\n\
+                *ELEMENT, TYPE=CPS4, ELSET=M\n24, 1, 2, 4, 3\n*ELEMENT, TYPE=SFM3D4, ELSET=M\n25, 1, 2, 4, 3\n";
+    let (warnings, _) = pulled("beams", &cubes(true, more), WHOLE);
+    let [beams] = &warnings[..] else { panic!("{warnings:?}") };
+    assert!(beams.contains("have no stiffness here: 1 of type B31, 2 of type S4R;"), "{beams}");
 }
 
 /// As a series of two springs.

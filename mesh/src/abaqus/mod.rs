@@ -37,6 +37,7 @@ pub(crate) fn read(bytes: &[u8], instance: Option<&str>) -> Result<Mesh, Fault> 
         placement: Placement::default(),
         bystanders: Bystanders::default(),
         unread: Vec::new(),
+        stiff: BTreeMap::new(),
         unread_index: HashMap::new(),
         constraints: Vec::new(),
     };
@@ -69,6 +70,8 @@ struct Deck<'a> {
     bystanders: Bystanders,
     /// Elements of types that are not supported.
     unread: Vec<UnreadElement>,
+    /// Trusses, beams, shells and membranes by their type.
+    stiff: BTreeMap<String, usize>,
     /// Their places, by tag.
     unread_index: HashMap<u64, usize>,
     /// Keywords of constraints, where they are, and the sets that they name.
@@ -240,6 +243,9 @@ impl Deck<'_> {
                 }
                 self.builder.add_element(kind, tag, nodes, at)?;
                 self.builder.set_incompatible_modes(matches!(name.as_str(), "C3D8I" | "C3D8IH"));
+                if has_stiffness_elsewhere(&name) {
+                    *self.stiff.entry(name.clone()).or_default() += 1;
+                }
             } else {
                 self.unread_index.insert(tag, self.unread.len());
                 self.unread.push(UnreadElement { tag, kind: name.clone() });
@@ -411,6 +417,7 @@ impl Deck<'_> {
                 surfaces.publish(facets.iter().map(|surface| surface.unsupported.clone()).collect(), &owner),
             ),
             elements: self.unread,
+            stiff: self.stiff,
         };
         let sorted = |sets: Vec<Content>| {
             sets.into_iter().map(|set| set.indices.into_iter().collect::<Vec<usize>>()).collect()
@@ -490,6 +497,12 @@ fn is_small(name: &str) -> bool {
     ["MASS", "ROTARYI", "HEATCAP", "SPRING", "DASHPOT", "CONN", "DCOUP"]
         .iter()
         .any(|begin| name.starts_with(begin))
+}
+
+/// Whether elements of this type, which are lines or facets here, carry something in Abaqus. Gmsh writes facets as CPS.
+fn has_stiffness_elsewhere(name: &str) -> bool {
+    let begins = |begin: &&str| name.starts_with(*begin);
+    ["T3D", "B3", "S3", "S4", "S6", "S8", "STRI", "M3D"].iter().any(|begin| begins(&begin))
 }
 
 /// The kind of an Abaqus element type, given in upper case.

@@ -712,7 +712,7 @@ class ContactInterface(FrictionHistory):
         * 0.5 for a slave that penetrated and whose foot lies outside its domain of influence now;
         * 0.25 for one whose element has no result for another reason;
 
-        but 0.1 at least. A slave penetrated if its gap was negative when it last had one.
+        but 0.1 at least. A slave penetrated if its gap was negative when it last had one, in the last refresh or since.
 
         Raises:
             InterfaceError: ``"not-evaluated"``.

@@ -89,7 +89,7 @@ fn solid_part(mesh: &Mesh, elements: Option<&str>) -> Result<Part, ModelError> {
     let unread_constraints =
         mesh.unread_constraints().iter().filter(|constraint| holds(&element_sets, constraint));
     let unread_constraints = unread_constraints.cloned().collect();
-    let mut unread_elements = BTreeMap::new();
+    let mut unread_elements = mesh.stiff_lines_and_facets().clone();
     for mesh::UnreadElement { kind, .. } in mesh.unread_elements() {
         if !may_be_solid(kind) && !NO_STIFFNESS.iter().any(|begin| kind.starts_with(begin)) {
             *unread_elements.entry(kind.clone()).or_default() += 1;

@@ -31,12 +31,12 @@ pub(super) fn unread_constraints(part: &str, constraints: &[UnreadConstraint]) -
     ))
 }
 
-/// Elements of a part's mesh file that carry something.
+/// Elements of a part's mesh file that carry something there.
 pub(super) fn unread_elements(part: &str, elements: &BTreeMap<String, usize>) -> Option<String> {
     let kinds = list(elements.iter().map(|(kind, count)| format!("{count} of type {}", shown(kind))));
     (!elements.is_empty()).then(|| {
         format!(
-            "part `{}`: elements of its mesh file are not read: {kinds}; what they carry or hold is missing",
+            "part `{}`: elements of its mesh file have no stiffness here: {kinds}; what they carry or hold is missing",
             shown(part)
         )
     })

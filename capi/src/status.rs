@@ -86,7 +86,9 @@ fn status_of(code: &str, otherwise: dc_status) -> dc_status {
         "derivative-length" | "no-slip" | "not-derived" | "not-refreshed" => DC_NOT_EVALUATED,
         "pattern-mismatch" => DC_PATTERN_MISMATCH,
         "too-many" | "too-many-nodes" | "too-large" | "out-of-memory" => DC_TOO_LARGE,
-        "repeated-slave" | "slave-on-master" | "slave-without-area" => DC_BAD_SLAVES,
+        "repeated-slave" | "slave-on-master" | "slave-without-area" | "slave-behind-symmetry" => {
+            DC_BAD_SLAVES
+        }
         "overflow" => DC_OVERFLOW,
         "invalid-option" | "invalid-support-radius" | "invalid-frame" | "no-kernels" => DC_BAD_OPTION,
         _ => otherwise,

@@ -5,8 +5,26 @@ use diffuse_contact::faces::QuadraticFace;
 use diffuse_contact::surface::Facet;
 use numpy::{Element, PyArray, PyArrayMethods, PyReadonlyArray, PyReadwriteArray};
 use pyo3::prelude::*;
+use pyo3::types::{PyList, PyString};
 
 use crate::errors;
+
+/// A list of words, of which there are few different ones: each is one object, however often it stands there.
+pub fn words<'py>(
+    py: Python<'py>,
+    words: impl ExactSizeIterator<Item = &'static str>,
+) -> PyResult<Bound<'py, PyList>> {
+    let mut known: Vec<(&'static str, Bound<'py, PyString>)> = Vec::new();
+    let texts = words.map(|word| match known.iter().find(|(other, _)| *other == word) {
+        Some((_, text)) => text.clone(),
+        None => {
+            let text = PyString::new(py, word);
+            known.push((word, text.clone()));
+            text
+        }
+    });
+    PyList::new(py, texts)
+}
 
 /// Read access to an array.
 pub fn readable<'py, T: Element, D: numpy::ndarray::Dimension>(

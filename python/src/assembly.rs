@@ -1,11 +1,12 @@
 //! Residual and tangent of an interface.
 
-use diffuse_contact::assembly::{AssemblyError, Triangle, Triplets, add_forces, slave_friction};
+use diffuse_contact::assembly::{Triangle, Triplets, add_forces, slave_friction};
 use diffuse_contact::interface::ContactRef;
 use numpy::PyArray1;
 use pyo3::prelude::*;
+use pyo3::types::PyList;
 
-use crate::arrays::{slice_mut, writable};
+use crate::arrays::{slice_mut, words, writable};
 use crate::errors::Raise;
 use crate::interface::{Interface, shared};
 use crate::law::Law;
@@ -81,7 +82,7 @@ impl Interface {
     fn friction<'py>(
         slf: &Bound<'py, Self>,
         law: Law<'py>,
-    ) -> PyResult<(Bound<'py, PyArray1<f64>>, Vec<&'static str>, Bound<'py, PyArray1<f64>>)> {
+    ) -> PyResult<(Bound<'py, PyArray1<f64>>, Bound<'py, PyList>, Bound<'py, PyArray1<f64>>)> {
         let py = slf.py();
         let this = shared(slf)?;
         let own = law.own(py)?;
@@ -90,7 +91,7 @@ impl Interface {
         let found = threads::run(py, || slave_friction(contacts, &law)).map_err(|error| error.raise(py))?;
         Ok((
             PyArray1::from_vec(py, found.iter().flat_map(|slave| slave.traction).collect()),
-            found.iter().map(|slave| slave.state.name()).collect(),
+            words(py, found.iter().map(|slave| slave.state.name()))?,
             PyArray1::from_iter(py, found.iter().map(|slave| slave.slip)),
         ))
     }

@@ -10,8 +10,9 @@ use diffuse_contact::interface::InterfaceError;
 use diffuse_contact::surface::Facet;
 use numpy::{PyArray1, PyArray2};
 use pyo3::prelude::*;
+use pyo3::types::PyList;
 
-use crate::arrays::{facets, points, quadratic_faces, readable, slice, slice_mut, writable};
+use crate::arrays::{facets, points, quadratic_faces, readable, slice, slice_mut, words, writable};
 use crate::errors::{self, Raise};
 use crate::interface::{dofs_of, exclusive, planes, shared};
 use crate::law::Law;
@@ -195,13 +196,13 @@ impl Faces {
     }
 
     /// Traction, state and slip of every node.
-    fn friction<'py>(slf: &Bound<'py, Self>) -> PyResult<(Numbers<'py>, Vec<&'static str>, Numbers<'py>)> {
+    fn friction<'py>(slf: &Bound<'py, Self>) -> PyResult<(Numbers<'py>, Bound<'py, PyList>, Numbers<'py>)> {
         let py = slf.py();
         let this = shared(slf)?;
         let nodes = this.contacts(py)?.nodes();
         Ok((
             PyArray1::from_vec(py, nodes.iter().flat_map(|node| node.friction).collect()),
-            nodes.iter().map(|node| node.friction_state.name()).collect(),
+            words(py, nodes.iter().map(|node| node.friction_state.name()))?,
             PyArray1::from_iter(py, nodes.iter().map(|node| node.slip)),
         ))
     }
@@ -210,7 +211,7 @@ impl Faces {
     #[allow(clippy::type_complexity)]
     fn nodes<'py>(
         slf: &Bound<'py, Self>,
-    ) -> PyResult<(Numbers<'py>, Numbers<'py>, Numbers<'py>, Numbers<'py>, Vec<&'static str>)> {
+    ) -> PyResult<(Numbers<'py>, Numbers<'py>, Numbers<'py>, Numbers<'py>, Bound<'py, PyList>)> {
         let py = slf.py();
         let this = shared(slf)?;
         let nodes = this.contacts(py)?.nodes();
@@ -223,7 +224,7 @@ impl Faces {
             PyArray1::from_iter(py, nodes.iter().map(|node| node.area)),
             PyArray1::from_iter(py, nodes.iter().map(|node| node.pressure)),
             PyArray1::from_vec(py, nodes.iter().flat_map(normal).collect()),
-            nodes.iter().map(|node| node.outcome.code()).collect(),
+            words(py, nodes.iter().map(|node| node.outcome.code()))?,
         ))
     }
 

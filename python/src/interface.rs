@@ -11,9 +11,9 @@ use numpy::{PyArray1, PyArray2};
 use pyo3::PyClass;
 use pyo3::prelude::*;
 use pyo3::pyclass::boolean_struct::False;
-use pyo3::types::PyDict;
+use pyo3::types::{PyDict, PyList};
 
-use crate::arrays::{facets, indices, points, readable};
+use crate::arrays::{facets, indices, points, readable, words};
 use crate::errors::{self, Raise};
 use crate::options::{self, Options};
 use crate::pattern::Pattern;
@@ -280,9 +280,9 @@ impl Interface {
     }
 
     /// The code of every slave's outcome.
-    fn outcomes(slf: &Bound<'_, Self>) -> PyResult<Vec<&'static str>> {
-        let this = shared(slf)?;
-        Ok(this.contacts(slf.py())?.iter().map(|contact| contact.outcome.code()).collect())
+    fn outcomes<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyList>> {
+        let (py, this) = (slf.py(), shared(slf)?);
+        words(py, this.contacts(py)?.iter().map(|contact| contact.outcome.code()))
     }
 
     /// One contact with its derivatives.

@@ -402,6 +402,30 @@ fn planes_through_the_surface_are_refused() {
     interface.set_symmetry(&at(0.001)).unwrap();
 }
 
+/// Their forces would go to mirrored places of the master.
+#[test]
+fn slaves_behind_a_plane_are_refused() {
+    let mesh = wavy(5, 0.0);
+    let positions = [&mesh.0[..], &[[2.0, 2.0, 1.0], [2.0, -0.3, 1.0], [-0.2, 1.0, 1.0]]].concat();
+    let planes = [SymmetryPlane::across(0, [0.0; 3]), SymmetryPlane::across(1, [0.0; 3])];
+    let with = |slaves: Vec<usize>| {
+        let master = MasterSurface::new(&positions, mesh.1.clone()).unwrap();
+        ContactInterface::new(master, slaves, &[], &positions, InterfaceOptions::default())
+            .and_then(|mut interface| interface.set_symmetry(&planes))
+    };
+    with(vec![36]).unwrap();
+    let expected = InterfaceError::SlaveBehindSymmetry { node: 37, plane: 1, distance: 0.3 };
+    assert_eq!(with(vec![36, 38, 37]).unwrap_err(), expected);
+    // The plane at the other end, whose normal points away from the surface.
+    let far = SymmetryPlane::across(0, [5.0, 0.0, 0.0]);
+    let beyond = [&mesh.0[..], &[[5.5, 2.0, 1.0]]].concat();
+    let master = MasterSurface::new(&beyond, mesh.1.clone()).unwrap();
+    let mut interface =
+        ContactInterface::new(master, vec![36], &[], &beyond, InterfaceOptions::default()).unwrap();
+    let error = interface.set_symmetry(&[far]).unwrap_err();
+    assert_eq!(error, InterfaceError::SlaveBehindSymmetry { node: 36, plane: 0, distance: 0.5 });
+}
+
 #[test]
 fn other_rules_have_no_symmetry() {
     let mesh = wavy(5, 0.0);

@@ -83,6 +83,12 @@ impl Surfaces {
             InterfaceError::SlaveOnMaster { node } => {
                 format!("node {} belongs to the set \"{}\", too", tag(node), sets.master)
             }
+            InterfaceError::SlaveBehindSymmetry { node, distance, .. } => {
+                let (node, master) = (tag(node), &sets.master);
+                format!(
+                    "node {node} lies {distance} behind a plane of symmetry, seen from the set \"{master}\""
+                )
+            }
             InterfaceError::HeldFrame => {
                 let rule = "--frame-derivative held needs another --rule than domains, such as hull-layers";
                 return ContactMeshError::Options(rule).into();

@@ -679,7 +679,7 @@ class ContactInterface(FrictionHistory):
     ) -> Floats:
         """Normal forces over tributary areas, shape (s,); forces if contacts carry no areas."""
         forces = self.normal_forces(penalty, multipliers=multipliers, normal=normal)
-        return forces / self.contacts.area
+        return forces / self._interface.points()[3]
 
     def friction(
         self,

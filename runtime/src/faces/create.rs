@@ -147,6 +147,7 @@ impl FaceInterface {
         let skin = skin_of(&self.faces, &self.first, &own, planes)?;
         let mut interface = ContactInterface::new(self.master().clone(), Vec::new(), &[], &self.first, own)?;
         interface.set_symmetry(planes)?;
+        interface.check_slave_sides(&self.nodes)?;
         if self.interface.symmetry() != planes {
             self.tracks = None;
         }

@@ -127,8 +127,8 @@ impl ContactInterface {
     /// history of friction names images in the planes of before: it ends, unless the planes are the same.
     ///
     /// # Errors
-    /// [`InterfaceError::Surface`] for planes that cannot be planes of symmetry; [`InterfaceError::NoSymmetry`] if masters are
-    /// found by a rule without domains of influence; [`InterfaceError::InWindow`] where the planes are those of a window. Planes and
+    /// [`InterfaceError::Surface`] for planes that cannot be planes of symmetry; [`InterfaceError::SlaveBehindSymmetry`];
+    /// [`InterfaceError::NoSymmetry`] if masters are found by a rule without domains of influence; [`InterfaceError::InWindow`] where the planes are those of a window. Planes and
     /// pairing of before then stay.
     pub fn set_symmetry(&mut self, planes: &[SymmetryPlane]) -> Result<(), InterfaceError> {
         self.check_whole("finding domains of influence")?;
@@ -147,7 +147,11 @@ impl ContactInterface {
         let index = self.master.at(&first)?;
         // Facets have no domains, but planes all the same.
         planes_of(&index, planes)?;
-        self.nodal = Nodal::new(&index, &self.options, planes)?;
+        let nodal = Nodal::new(&index, &self.options, planes)?;
+        if let Some(nodal) = &nodal {
+            nodal.check_slaves(&index, planes, self.pairings.layout.slaves(), &first)?;
+        }
+        self.nodal = nodal;
         // Anchors name images by number.
         if self.planes != planes {
             self.anchors = None;
@@ -156,6 +160,15 @@ impl ContactInterface {
         self.augmented = None;
         self.end_pairings();
         Ok(())
+    }
+
+    /// Refuses nodes that lie behind the planes, seen from the master.
+    ///
+    /// # Errors
+    /// [`InterfaceError::SlaveBehindSymmetry`].
+    pub(crate) fn check_slave_sides(&self, nodes: &[usize]) -> Result<(), InterfaceError> {
+        let Some(nodal) = &self.nodal else { return Ok(()) };
+        nodal.check_slaves(&self.master.at(&self.positions)?, &self.planes, nodes, &self.positions)
     }
 
     /// Until the next refresh no slave is paired.

@@ -82,6 +82,11 @@ pub enum InterfaceError {
     /// A node belongs to both surfaces.
     #[error("node {node} is a slave and a node of the master surface")]
     SlaveOnMaster { node: usize },
+    /// A slave lies behind a symmetry plane, seen from the master, `distance` from it: its forces would go to mirrored places of the master.
+    #[error(
+        "slave node {node} lies {distance:e} behind symmetry plane {plane}, seen from the master: both have to lie on one side of it"
+    )]
+    SlaveBehindSymmetry { node: usize, plane: usize, distance: f64 },
     /// Areas were asked for, but a slave belongs to no slave facet.
     #[error("slave node {node} belongs to no slave facet and so has no tributary area")]
     SlaveWithoutArea { node: usize },
@@ -118,6 +123,7 @@ impl InterfaceError {
             Self::SlaveOutOfRange { .. } => "slave-out-of-range",
             Self::RepeatedSlave { .. } => "repeated-slave",
             Self::SlaveOnMaster { .. } => "slave-on-master",
+            Self::SlaveBehindSymmetry { .. } => "slave-behind-symmetry",
             Self::SlaveWithoutArea { .. } => "slave-without-area",
             Self::WrongNumberOfPositions { .. } => "wrong-number-of-positions",
             Self::OutOfMemory { .. } => "out-of-memory",

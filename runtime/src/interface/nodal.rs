@@ -2,6 +2,7 @@
 
 use super::{ContactElement, InterfaceError, InterfaceOptions};
 use crate::MaterialDomain;
+use crate::Point;
 use crate::neighbourhood::NeighbourRule;
 use crate::surface::window::Extents;
 use crate::surface::{Creases, NONE, NodalDomains, SurfaceIndex, Symmetry, SymmetryPlane};
@@ -37,6 +38,26 @@ impl Nodal {
         let creases = Creases::new(index, options.feature_angle_degrees.to_radians(), &symmetry);
         let domains = NodalDomains::new(index, &creases, &symmetry, weight, search.basis);
         Ok(Some(Self { domains, symmetry, creases, extents }))
+    }
+
+    /// Refuses slaves behind planes of symmetry.
+    ///
+    /// # Errors
+    /// [`InterfaceError::SlaveBehindSymmetry`].
+    pub fn check_slaves(
+        &self,
+        index: &SurfaceIndex<'_>,
+        planes: &[SymmetryPlane],
+        slaves: &[usize],
+        positions: &[Point],
+    ) -> Result<(), InterfaceError> {
+        let points = slaves.iter().map(|&node| positions[node]);
+        match Symmetry::farthest_behind(planes, index.positions(), self.extents.facet, points) {
+            None => Ok(()),
+            Some((plane, place, distance)) => {
+                Err(InterfaceError::SlaveBehindSymmetry { node: slaves[place], plane, distance })
+            }
+        }
     }
 
     /// That of a sheet node, or of its image with this number.

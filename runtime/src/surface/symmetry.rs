@@ -174,6 +174,24 @@ impl Symmetry {
         Ok(())
     }
 
+    /// The plane that one of these points is farthest behind, seen from a surface whose largest facet has the extent `facet`: plane, place of
+    /// the point and distance. `None` if all lie on the surface's side of all planes.
+    pub fn farthest_behind(
+        planes: &[SymmetryPlane],
+        surface: &[Point],
+        facet: f64,
+        points: impl Iterator<Item = Point> + Clone,
+    ) -> Option<(usize, usize, f64)> {
+        let behind = planes.iter().enumerate().flat_map(|(number, plane)| {
+            let heights = surface.iter().map(|&x| plane.distance(x));
+            let largest =
+                heights.fold(0.0, |largest: f64, x| if x.abs() > largest.abs() { x } else { largest });
+            let points = points.clone().enumerate();
+            points.map(move |(place, x)| (number, place, -plane.distance(x) * largest.signum()))
+        });
+        behind.filter(|&(.., distance)| distance > BEHIND * facet).max_by(|x, y| x.2.total_cmp(&y.2))
+    }
+
     /// The planes alone, for a surface whose largest facet has this extent: facets need no images.
     ///
     /// # Errors

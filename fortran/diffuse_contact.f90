@@ -248,6 +248,15 @@ module diffuse_contact
             integer(c_int) :: status
         end function
 
+        function dc_renew(interface, positions, node_count, report) bind(c) result(status)
+            import :: c_double, c_int, c_ptr, c_size_t, dc_report
+            type(c_ptr), value :: interface
+            real(c_double), intent(in) :: positions(*)
+            integer(c_size_t), value :: node_count
+            type(dc_report), intent(inout), optional :: report
+            integer(c_int) :: status
+        end function
+
         function dc_freeze(interface) bind(c) result(status)
             import :: c_int, c_ptr
             type(c_ptr), value :: interface

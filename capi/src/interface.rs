@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use runtime::Point;
 use runtime::assembly::{DofMap, Triplets};
-use runtime::interface::{ContactInterface, Contacts, RefreshReport};
+use runtime::interface::{ContactInterface, Contacts, InterfaceError, RefreshReport};
 use runtime::surface::MasterSurface;
 
 use crate::border::{self, Versioned, disjoint, input, wanted, wanted_report};
@@ -415,25 +415,53 @@ pub unsafe extern "C" fn dc_refresh(
     node_count: usize,
     report: *mut dc_report,
 ) -> dc_status {
-    call(interface, |state| {
-        let positions = unsafe { points(positions, node_count)? };
-        let report = unsafe { wanted_report(report, positions)? };
-        let State { interface, hint, .. } = state;
-        state.evaluated = false;
-        let result = if state.frozen {
-            interface.update(positions)?;
-            RefreshReport::default()
-        } else {
-            threads::run(|| {
-                let report = interface.refresh_pairing(positions)?;
-                hint.begin(interface).map(|()| report)
-            })?
-        };
-        if let Some(report) = report {
-            unsafe { report.write(&dc_report::new(&result)) };
-        }
-        if state.frozen { Err(frozen()) } else { Ok(()) }
+    call(interface, |state| unsafe {
+        refresh(state, (positions, node_count), report, ContactInterface::refresh_pairing)
     })
+}
+
+/// As dc_refresh, but all lists of DC_DOMAINS are made anew, so that they follow from the positions alone: after a restart patterns, and with
+/// them the bits of a direct solver, are those of a run that makes them anew there, too.
+///
+/// # Safety
+/// As dc_refresh.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn dc_renew(
+    interface: *mut dc_interface,
+    positions: *const f64,
+    node_count: usize,
+    report: *mut dc_report,
+) -> dc_status {
+    call(interface, |state| unsafe {
+        refresh(state, (positions, node_count), report, ContactInterface::renew_pairing)
+    })
+}
+
+/// # Safety
+/// As [`dc_refresh`].
+unsafe fn refresh(
+    state: &mut State,
+    (positions, node_count): (*const f64, usize),
+    report: *mut dc_report,
+    pair: fn(&mut ContactInterface, &[Point]) -> Result<RefreshReport, InterfaceError>,
+) -> Result<(), Failure> {
+    let positions = unsafe { points(positions, node_count)? };
+    let report = unsafe { wanted_report(report, positions)? };
+    let State { interface, hint, .. } = state;
+    let result = if state.frozen {
+        interface.update(positions)?;
+        RefreshReport::default()
+    } else {
+        threads::run(|| pair(interface, positions))?
+    };
+    state.evaluated = false;
+    if let Some(report) = report {
+        unsafe { report.write(&dc_report::new(&result)) };
+    }
+    if state.frozen {
+        return Err(frozen());
+    }
+    Ok(threads::run(|| hint.begin(interface))?)
 }
 
 /// Holds the pairing, for instance over the iterations of an increment: dc_refresh and dc_follow do what dc_update does, and return

@@ -175,6 +175,7 @@ impl Interface {
     fn refresh_pairing<'py>(
         slf: &Bound<'py, Self>,
         positions: &Bound<'py, PyArray2<f64>>,
+        renew: bool,
     ) -> PyResult<Bound<'py, PyDict>> {
         let py = slf.py();
         let mut this = exclusive(slf)?;
@@ -182,15 +183,16 @@ impl Interface {
         let positions = points(py, &positions)?;
         let frozen = this.frozen;
         let Interface { interface, cutback, current, .. } = &mut *this;
-        *current = false;
-        let report = threads::run(py, || {
-            if frozen {
-                return interface.update(positions).map(|()| RefreshReport::default());
-            }
-            let report = interface.refresh_pairing(positions)?;
-            cutback.begin(interface).map(|()| report)
+        let report = threads::run(py, || match (frozen, renew) {
+            (true, _) => interface.update(positions).map(|()| RefreshReport::default()),
+            (false, false) => interface.refresh_pairing(positions),
+            (false, true) => interface.renew_pairing(positions),
         });
         let report = report.map_err(|error| error.raise(py))?;
+        *current = false;
+        if !frozen {
+            threads::run(py, || cutback.begin(interface)).map_err(|error| error.raise(py))?;
+        }
         let dict = report::to_dict(py, &report)?;
         dict.set_item("frozen", frozen)?;
         Ok(dict)

@@ -254,6 +254,9 @@ def test_lists_of_nodes_follow(scene):
     assert not interface.follow(moved[0.01])
     report = interface.refresh_pairing(moved[0.01])
     assert not report.rebuilt and report.kept == 4 and report.largest_gap_jump is None
+    report = interface.refresh_pairing(moved[0.01], renew=True)
+    assert report.rebuilt and report.kept == 0 and report.largest_gap_jump is None
+    assert not interface.refresh_pairing(moved[0.01]).rebuilt
     assert (interface.evaluate().gap != here).all()
     np.testing.assert_array_equal(interface.pattern()[1], pattern[1])
     interface.freeze()

@@ -11,8 +11,8 @@ use super::{Mesh, message, options};
 use crate::choice::{dc_frame, dc_rule};
 use crate::contacts::{dc_contact, dc_contact_of, dc_gaps};
 use crate::interface::{
-    dc_destroy, dc_evaluate, dc_follow, dc_freeze, dc_interface, dc_refresh, dc_report, dc_set_symmetry,
-    dc_thaw, dc_update,
+    dc_destroy, dc_evaluate, dc_follow, dc_freeze, dc_interface, dc_refresh, dc_renew, dc_report,
+    dc_set_symmetry, dc_thaw, dc_update,
 };
 use crate::neighbours::{dc_pair, dc_pairing};
 use crate::options::dc_options;
@@ -66,6 +66,17 @@ fn lists_follow_and_say_so() {
         assert_eq!((report.paired, report.kept, report.rebuilt), (4, 4, 0));
         gaps(handle);
         assert_eq!(fill(), DC_OK, "the lists are those of before");
+        assert_eq!(dc_renew(handle, near.as_ptr(), 40, &mut report), DC_OK);
+        assert_eq!((report.paired, report.kept, report.rebuilt), (4, 0, 1));
+        let there = gaps(handle);
+        // What is refused leaves the evaluation as it is.
+        let wrong: Vec<f64> = near.iter().map(|_| f64::NAN).collect();
+        for refused in [dc_refresh, dc_renew] {
+            assert_eq!(refused(handle, wrong.as_ptr(), 40, &mut report), DC_NOT_FINITE);
+            let mut gaps = [0.0; 4];
+            assert_eq!(dc_gaps(handle, null_mut(), gaps.as_mut_ptr(), 4), DC_OK);
+            assert_eq!(gaps, there);
+        }
 
         assert_eq!(dc_freeze(handle), DC_OK);
         assert_eq!(follow(&far, &mut rebuilt), DC_FROZEN);

@@ -361,7 +361,7 @@ class ContactInterface(FrictionHistory):
         """Number of equations: rows of forces and tangent."""
         return self._interface.equations()
 
-    def refresh_pairing(self, positions: ArrayLike) -> RefreshReport:
+    def refresh_pairing(self, positions: ArrayLike, *, renew: bool = False) -> RefreshReport:
         """Takes over the positions, shape (p, 3), and pairs every slave anew.
 
         With domains of influence the list of a slave stays while slave and masters together have moved by less than
@@ -372,11 +372,16 @@ class ContactInterface(FrictionHistory):
 
         While the interface is frozen it is an ``update``, and the report says so.
 
+        Args:
+            positions: of all nodes.
+            renew: makes all lists anew, so that they follow from the positions alone: after a restart patterns are
+                those of a run that makes them anew there, too.
+
         Raises:
             InterfaceError: for another number of positions, or one that is not finite.
 
         """
-        report = self._interface.refresh_pairing(floats("positions", positions, "p", 3))
+        report = self._interface.refresh_pairing(floats("positions", positions, "p", 3), flag("renew", renew))
         for name, kind in (
             ("smallest_gap_lost", SlaveGap),
             ("smallest_gap_gained", SlaveGap),

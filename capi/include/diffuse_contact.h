@@ -691,6 +691,16 @@ enum dc_status dc_refresh(struct dc_interface *interface,
                           size_t node_count,
                           struct dc_report *report);
 
+// As dc_refresh, but all lists of DC_DOMAINS are made anew, so that they follow from the positions alone: after a restart patterns, and with
+// them the bits of a direct solver, are those of a run that makes them anew there, too.
+//
+// # Safety
+// As dc_refresh.
+enum dc_status dc_renew(struct dc_interface *interface,
+                        const double *positions,
+                        size_t node_count,
+                        struct dc_report *report);
+
 // Holds the pairing, for instance over the iterations of an increment: dc_refresh and dc_follow do what dc_update does, and return
 // DC_FROZEN.
 enum dc_status dc_freeze(struct dc_interface *interface);
@@ -764,9 +774,8 @@ enum dc_status dc_forces(struct dc_interface *interface,
 // - 0.5, for a slave that penetrated and whose foot lies outside its domain of influence in the last evaluation;
 // - 0.25, for one whose element failed otherwise: no foot, singular fit, overflow.
 //
-// A slave penetrated if its gap was negative when it last had one; that it is not paired, too far, without a candidate or a facet over it,
-// or beyond the border ends it. Contacts
-// that a refresh loses are in dc_report (contacts_lost, lost_gap).
+// A slave penetrated if its gap was negative when it last had one since dc_refresh, or there; that it is not paired, too far, without a
+// candidate or a facet over it, or beyond the border ends it. Contacts that a refresh loses are in dc_report (contacts_lost, lost_gap).
 //
 // # Safety
 // `factor` may be written.

@@ -501,8 +501,7 @@ fn is_small(name: &str) -> bool {
 
 /// Whether elements of this type, which are lines or facets here, carry something in Abaqus. Gmsh writes facets as CPS.
 fn has_stiffness_elsewhere(name: &str) -> bool {
-    let begins = |begin: &&str| name.starts_with(*begin);
-    ["T3D", "B3", "S3", "S4", "S6", "S8", "STRI", "M3D"].iter().any(|begin| begins(&begin))
+    ["T3D", "B3", "S3", "S4", "S6", "S8", "STRI", "M3D"].iter().any(|begin| name.starts_with(begin))
 }
 
 /// The kind of an Abaqus element type, given in upper case.

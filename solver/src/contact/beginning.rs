@@ -7,7 +7,7 @@ use diffuse_contact::interface::Outcome;
 use diffuse_contact_mesh::names::shown;
 use serde::{Deserialize, Serialize};
 
-use super::proposal::{crossed_planes, idle_planes, symmetry_line};
+use super::proposal::{idle_planes, symmetry_line};
 use super::tracks::all_behind;
 use super::{Fallbacks, Integration, Interaction};
 use crate::model::Model;
@@ -63,9 +63,6 @@ pub struct Beginning {
     /// Planes of symmetry, as the deck has them, in which no surface of the interface ends.
     #[serde(default)]
     pub idle_planes: Vec<String>,
-    /// Those that its surfaces lie on both sides of.
-    #[serde(default)]
-    pub crossed_planes: Vec<String>,
 }
 
 /// Of the first pass; 0 where a slave has contact.
@@ -146,7 +143,6 @@ impl Beginning {
             serendipity: serendipity(interaction, model),
             symmetry: symmetry_line(interaction, problem, &model.deformable()),
             idle_planes: idle_planes(interaction, problem.start_positions()),
-            crossed_planes: crossed_planes(interaction, problem.start_positions()),
         }
     }
 
@@ -176,7 +172,6 @@ impl Beginning {
             behind,
             repeats,
             idle_planes,
-            crossed_planes,
             ..
         } = self;
         let twice = |other: &String| {
@@ -222,17 +217,14 @@ impl Beginning {
                 shown(interface)
             ));
         }
-        let mut of_planes = |planes: &[String], what: &str| {
-            let named = |plane: &String| {
-                format!(
-                    "interface `{}`: {what} its plane of symmetry {plane}: is it where the model ends?",
-                    shown(interface)
-                )
-            };
-            warnings.extend(planes.iter().map(named));
+        let idle = |plane: &String| {
+            format!(
+                "interface `{}`: no edge of the master's or the slave's border lies in its plane of symmetry {plane}: is it where the model \
+                 ends?",
+                shown(interface)
+            )
         };
-        of_planes(idle_planes, "no edge of the master's or the slave's border lies in");
-        of_planes(crossed_planes, "the master or the slave lies on both sides of");
+        warnings.extend(idle_planes.iter().map(idle));
         warnings.extend(fallbacks.warnings(Fallbacks::default(), interface, *slaves));
         warnings
     }

@@ -37,21 +37,6 @@ pub fn idle_planes(interaction: &Interaction, positions: &[Point]) -> Vec<String
     planes.filter(|plane| is_idle(plane, interaction, positions)).map(written).collect()
 }
 
-/// Nodes as far on either side of a plane as this part of a slave facet's size are on both.
-const BEHIND: f64 = 0.01;
-
-/// The planes of an interaction, as decks have them, that its surfaces lie on both sides of.
-pub fn crossed_planes(interaction: &Interaction, positions: &[Point]) -> Vec<String> {
-    let nodes = || interaction.facets().iter().flat_map(|facet| facet.corners());
-    let is_crossed = |plane: &&SymmetryPlane| {
-        let heights = nodes().map(|&node| height(plane, positions[node]));
-        let [low, high] =
-            heights.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], x| [low.min(x), high.max(x)]);
-        high.min(-low) > BEHIND * interaction.facet_size()
-    };
-    interaction.options().symmetry.iter().filter(is_crossed).map(written).collect()
-}
-
 /// How far from a plane a point lies, on the side of the model.
 fn height(plane: &SymmetryPlane, x: Point) -> f64 {
     dot(plane.normal, [0, 1, 2].map(|axis| x[axis] - plane.point[axis]))

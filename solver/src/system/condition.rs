@@ -2,7 +2,7 @@
 
 use faer::sparse::SparseColMatRef;
 
-/// Beyond this a matrix has directions that may be rounding: it is looked for the weakest one.
+/// Above this a first solution is enough: errors of factors do not hide a direction that costs nothing behind so much.
 const SOUND: f64 = 1e-7;
 /// Solutions that look for the weakest direction.
 const MOST_SOLUTIONS: usize = 3;

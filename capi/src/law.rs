@@ -4,7 +4,7 @@ use std::ffi::c_void;
 use std::mem::offset_of;
 use std::sync::atomic::{AtomicPtr, Ordering};
 
-use runtime::assembly::{ContactLaw, NormalLaw, NormalPressure, TabulatedPressure, Tangent};
+use runtime::assembly::{AssemblyError, ContactLaw, NormalLaw, NormalPressure, TabulatedPressure, Tangent};
 use runtime::friction::{
     CoefficientValue, Coulomb, DecayingCoefficient, FrictionCoefficient, TabulatedCoefficient,
 };
@@ -369,6 +369,10 @@ impl Law<'_> {
     /// As the runtime takes it, which checks its numbers.
     pub fn contact(&self) -> Result<ContactLaw<'_>, Failure> {
         let dc_law { penalty, friction, tangential_stiffness, shear_limit, duration, .. } = self.given;
+        // Before it is called a tangential stiffness, which nobody gave.
+        if tangential_stiffness == 0.0 && !(penalty > 0.0 && penalty.is_finite()) {
+            return Err(AssemblyError::InvalidPenalty { value: penalty }.into());
+        }
         let stiffness = if tangential_stiffness == 0.0 { penalty } else { tangential_stiffness };
         let limit = Some(shear_limit).filter(|limit| *limit != 0.0);
         let made = match &self.coefficient {

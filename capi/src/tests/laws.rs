@@ -120,6 +120,7 @@ fn functions_of_the_caller_have_the_numbers_of_tables() {
         refused(tabulated(own), "invalid-option: normal_law");
         refused(dc_law { friction: 0.1, ..own }, "invalid-option: with DC_FUNCTION");
         refused(dc_law { friction_law: None, ..own }, "invalid-option: DC_FUNCTION");
+        refused(dc_law { penalty: -5.0, friction: 0.3, ..LAW }, "invalid-penalty");
         // It writes nothing.
         refused(dc_law { normal_law: Some(nothing), ..LAW }, "invalid-pressure");
     }

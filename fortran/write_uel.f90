@@ -143,13 +143,13 @@ contains
             call fail('another number of entries: line ', line_number)
         select case (keyword)
         case ('*NODE')
-            if (any(labels == whole(values(1)))) call fail('a second node has the label ', nint(values(1)))
-            labels = [labels, whole(values(1))]
+            if (any(labels == label_of(values(1)))) call fail('a second node has the label ', nint(values(1)))
+            labels = [labels, label_of(values(1))]
             positions = reshape([positions, values(2:4)], [3, size(labels)])
         case ('*FACET')
-            facets = reshape([facets, places(whole(values)) - 1], [4, size(facets, 2) + 1], pad=[-1])
+            facets = reshape([facets, places(label_of(values)) - 1], [4, size(facets, 2) + 1], pad=[-1])
         case ('*SLAVE')
-            slaves = [slaves, places(whole(values(1:1)))]
+            slaves = [slaves, places(label_of(values(1:1)))]
             areas = [areas, values(2)]
         case ('*BOX')
             box = values
@@ -160,16 +160,16 @@ contains
         case ('*PROPERTY')
             property = values
         case ('*FIRST')
-            first_label = whole(values(1))
+            first_label = label_of(values(1))
         end select
     end subroutine
 
     !> Labels, which are whole numbers.
-    impure elemental integer function whole(value)
+    impure elemental integer function label_of(value)
         real(8), intent(in) :: value
 
-        whole = nint(value)
-        if (value /= whole) call fail('a label is not a whole number: line ', line_number)
+        label_of = nint(value)
+        if (value /= label_of) call fail('a label is not a whole number: line ', line_number)
     end function
 
     function places(wanted) result(found)

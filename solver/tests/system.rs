@@ -320,6 +320,40 @@ fn a_stiff_support_of_a_slender_beam_is_not_singular() {
     }
 }
 
+/// The tip of a slender beam moves so far that rounding of K x is more than the load.
+#[test]
+fn a_slender_beam_carries_a_load_at_its_tip() {
+    let nodes = 2500;
+    let triples: Vec<[usize; 3]> = (2..nodes).map(|k| [k - 2, k - 1, k]).collect();
+    let mut matrix = BlockMatrix::new(Arc::new(BlockPattern::new(nodes, triples.iter())));
+    let bending = [1.0, -2.0, 1.0];
+    let mut packed = vec![0.0; 45];
+    for i in 0..9 {
+        for j in (i % 3..=i).step_by(3) {
+            packed[i * (i + 1) / 2 + j] = bending[i / 3] * bending[j / 3];
+        }
+    }
+    for triple in &triples {
+        matrix.add_symmetric(triple, &packed);
+    }
+    let mut held = vec![[false; 3]; nodes];
+    held[..2].fill([true; 3]);
+    let mut loads = vec![[0.0; 3]; nodes];
+    loads[nodes - 1] = [1.0, -2.0, 0.5];
+    // Σ m² of the moments m at the joints
+    let flexibility = (1..nodes - 1).map(|m| (m * m) as f64).sum::<f64>();
+    for symmetry in [Symmetry::Symmetric, Symmetry::General] {
+        let mut solver = DirectSolver::new(1);
+        let mut x = Vec::new();
+        solver.factorise(&matrix, &Equations::new(&held), symmetry).unwrap();
+        let report = solver.solve(&loads, &mut x).unwrap();
+        println!("{report:?} {:?}", x[nodes - 1].map(|x| x / flexibility));
+        for axis in 0..3 {
+            assert!((x[nodes - 1][axis] / flexibility / loads[nodes - 1][axis] - 1.0).abs() < 0.05);
+        }
+    }
+}
+
 /// Matrices that are singular in many ways end in an answer or an error, and never in a NaN or a panic.
 #[test]
 fn rank_deficient_matrices_never_panic() {

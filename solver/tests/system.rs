@@ -341,10 +341,9 @@ fn a_slender_beam_carries_a_load_at_its_tip() {
         let mut solver = DirectSolver::new(1);
         let mut x = Vec::new();
         solver.factorise(&matrix, &Equations::new(&held), symmetry).unwrap();
-        let report = solver.solve(&loads, &mut x).unwrap();
-        println!("{report:?} {:?}", x[nodes - 1].map(|x| x / flexibility));
+        solver.solve(&loads, &mut x).unwrap();
         for axis in 0..3 {
-            assert!((x[nodes - 1][axis] / flexibility / loads[nodes - 1][axis] - 1.0).abs() < 0.05);
+            assert!((x[nodes - 1][axis] / flexibility / loads[nodes - 1][axis] - 1.0).abs() < 1e-3);
         }
     }
 }

@@ -30,6 +30,7 @@ pub struct Mesh {
     pub(crate) element_sets: BTreeMap<String, Vec<usize>>,
     pub(crate) surfaces: BTreeMap<String, Vec<Facet>>,
     pub(crate) unread: Unread,
+    pub(crate) stiff: Vec<(usize, String)>,
     pub(crate) constraints: Vec<UnreadConstraint>,
 }
 
@@ -58,8 +59,6 @@ pub struct UnreadElement {
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct Unread {
     pub elements: Vec<UnreadElement>,
-    /// Elements by their type that are read as lines or facets, and are more than that where the file comes from.
-    pub stiff: BTreeMap<String, usize>,
     pub in_sets: BTreeMap<String, usize>,
     pub in_surfaces: BTreeMap<String, usize>,
     pub faces: BTreeMap<String, String>,
@@ -86,10 +85,10 @@ impl Mesh {
         &self.unread.elements
     }
 
-    /// How many trusses, beams, shells and membranes of each type an Abaqus file has: they are lines and facets of the mesh, without what
-    /// stiffness they have there.
-    pub fn stiff_lines_and_facets(&self) -> &BTreeMap<String, usize> {
-        &self.unread.stiff
+    /// Trusses, beams, shells and membranes with a section in an Abaqus file, by index and type: they are lines and facets of the mesh,
+    /// without the stiffness they have there.
+    pub fn stiff_lines_and_facets(&self) -> &[(usize, String)] {
+        &self.stiff
     }
 
     /// Constraints between nodes that an Abaqus file has, of the instance that is read and of the whole assembly: the mesh goes without them.

@@ -113,6 +113,31 @@ fn the_back_of_a_thin_wall_is_never_touched() {
 }
 
 #[test]
+fn across_a_coarse_bend_a_wall_does_not_touch_its_own_other_side() {
+    // Of a pipe of this thickness and length, facets farther along face a node through the wall.
+    for (around, along, thickness, length) in
+        [(12, 1, 1.0, 10.0), (16, 1, 1.0, 30.0), (16, 2, 0.5, 10.0), (36, 1, 1.0, 20.0), (12, 3, 2.0, 60.0)]
+    {
+        let skin = |radius: f64, outward: f64| {
+            Mesh::grid([around, along + 1], [true, false], |s, t| {
+                let (sine, cosine) = (s * std::f64::consts::TAU * outward).sin_cos();
+                [radius * cosine, radius * sine, t * length]
+            })
+        };
+        let mesh = both(&skin(10.0 + 0.5 * thickness, 1.0), &skin(10.0 - 0.5 * thickness, -1.0));
+        for options in elements() {
+            let mut interface = paired(&mesh, options);
+            for (k, gap) in gaps(&mut interface).iter().enumerate() {
+                let [x, y, _] = mesh.positions[k];
+                let is_inside = x.hypot(y) < 10.0;
+                // Across the hole there may be something, far away.
+                assert!(gap.is_none_or(|gap| is_inside && gap > 5.0), "{around} {thickness} {x} {y} {gap:?}");
+            }
+        }
+    }
+}
+
+#[test]
 fn plates_on_one_another_touch_the_next_and_no_other() {
     for options in elements() {
         // Three plates 0.2 thick, each 0.02 into the one below, with cells of 1.

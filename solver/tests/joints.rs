@@ -100,10 +100,15 @@ fn elements_that_are_not_read_are_told() {
     let (warnings, _) = pulled("springs", &cubes(true, more), WHOLE);
     let [springs] = &warnings[..] else { panic!("{warnings:?}") };
     assert!(springs.contains("have no stiffness here: 1 of type B33, 2 of type SPRINGA;"), "{springs}");
-    // Beams and shells are lines and facets; facets as Gmsh writes them never were more.
+    // Beams and shells are lines and facets. They carry something if they have a section, which files of meshers such as Gmsh do not give.
     let more = "*ELEMENT, TYPE=B31, ELSET=S\n21, 1, 2\n*ELEMENT, TYPE=S4R, ELSET=L\n22, 1, 2, 4, 3\n23, 1, 2, 4, 3\n\
-                *ELEMENT, TYPE=CPS4, ELSET=M\n24, 1, 2, 4, 3\n*ELEMENT, TYPE=SFM3D4, ELSET=M\n25, 1, 2, 4, 3\n";
-    let (warnings, _) = pulled("beams", &cubes(true, more), WHOLE);
+                *ELEMENT, TYPE=T3D2, ELSET=Line1\n24, 1, 2\n*ELEMENT, TYPE=CPS4, ELSET=M\n25, 1, 2, 4, 3\n";
+    let (warnings, _) = pulled("facets", &cubes(true, more), WHOLE);
+    assert!(warnings.is_empty(), "{warnings:?}");
+    let sections = "*BEAM SECTION, ELSET=s, SECTION=CIRC, MATERIAL=STEEL\n0.1\n*Shell Section, Elset=L, Material=Steel\n0.01, 5\n";
+    // Those of another body are its own.
+    let tool = "*NODE\n21, 0, 0, 5\n22, 1, 0, 5\n23, 1, 1, 5\n24, 0, 1, 5\n*ELEMENT, TYPE=S4, ELSET=L\n31, 21, 22, 23, 24\n";
+    let (warnings, _) = pulled("beams", &cubes(true, &format!("{more}{tool}{sections}")), WHOLE);
     let [beams] = &warnings[..] else { panic!("{warnings:?}") };
     assert!(beams.contains("have no stiffness here: 1 of type B31, 2 of type S4R;"), "{beams}");
 }

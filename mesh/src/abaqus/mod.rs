@@ -12,7 +12,7 @@ mod lines;
 mod sets;
 mod surfaces;
 
-use std::collections::{BTreeMap, HashMap};
+use std::collections::{BTreeMap, BTreeSet, HashMap, HashSet};
 
 use crate::builder::Builder;
 use crate::element::{ElementKind, MOST_NODES};
@@ -37,7 +37,8 @@ pub(crate) fn read(bytes: &[u8], instance: Option<&str>) -> Result<Mesh, Fault> 
         placement: Placement::default(),
         bystanders: Bystanders::default(),
         unread: Vec::new(),
-        stiff: BTreeMap::new(),
+        stiff: Vec::new(),
+        sections: BTreeSet::new(),
         unread_index: HashMap::new(),
         constraints: Vec::new(),
     };
@@ -70,8 +71,10 @@ struct Deck<'a> {
     bystanders: Bystanders,
     /// Elements of types that are not supported.
     unread: Vec<UnreadElement>,
-    /// Trusses, beams, shells and membranes by their type.
-    stiff: BTreeMap<String, usize>,
+    /// Numbers of trusses, beams, shells and membranes, with their types.
+    stiff: Vec<(u64, String)>,
+    /// Element sets that have a section, in lower case: in Abaqus an element without one carries nothing.
+    sections: BTreeSet<String>,
     /// Their places, by tag.
     unread_index: HashMap<u64, usize>,
     /// Keywords of constraints, where they are, and the sets that they name.
@@ -126,6 +129,8 @@ impl Deck<'_> {
                 if let Some(&(_, name)) = CONSTRAINTS.iter().find(|(known, _)| *known == unspaced) {
                     let elements = keyword.value("ELSET").map(str::to_owned);
                     self.constraints.push((name, keyword.at, elements));
+                } else if unspaced.ends_with("SECTION") {
+                    self.sections.extend(keyword.value("ELSET").map(str::to_lowercase));
                 }
                 self.lines.skip_data();
                 Ok(())
@@ -244,7 +249,7 @@ impl Deck<'_> {
                 self.builder.add_element(kind, tag, nodes, at)?;
                 self.builder.set_incompatible_modes(matches!(name.as_str(), "C3D8I" | "C3D8IH"));
                 if has_stiffness_elsewhere(&name) {
-                    *self.stiff.entry(name.clone()).or_default() += 1;
+                    self.stiff.push((tag, name.clone()));
                 }
             } else {
                 self.unread_index.insert(tag, self.unread.len());
@@ -417,7 +422,6 @@ impl Deck<'_> {
                 surfaces.publish(facets.iter().map(|surface| surface.unsupported.clone()).collect(), &owner),
             ),
             elements: self.unread,
-            stiff: self.stiff,
         };
         let sorted = |sets: Vec<Content>| {
             sets.into_iter().map(|set| set.indices.into_iter().collect::<Vec<usize>>()).collect()
@@ -425,6 +429,13 @@ impl Deck<'_> {
         let mut public_node_sets = node_sets.names.publish(sorted(nodes_in), &owner);
         surfaces.merge_node_surfaces(&mut public_node_sets, node_surfaces, &owner)?;
         let element_sets = element_sets.names.publish(sorted(elements_in), &owner);
+        let with_section: HashSet<usize> = element_sets
+            .iter()
+            .filter(|(name, _)| self.sections.contains(&name.to_lowercase()))
+            .flat_map(|(_, elements)| elements.iter().copied())
+            .collect();
+        let stiff = self.stiff.into_iter().filter_map(|(tag, kind)| Some((builder.element_index(tag)?, kind)));
+        let stiff = stiff.filter(|(index, _)| with_section.contains(index)).collect();
         let surfaces = surfaces.publish(facets.into_iter().map(|surface| surface.facets).collect(), &owner);
         let (mut nodes, node_tags) = builder.into_nodes();
         placement.apply(&mut nodes, &node_tags)?;
@@ -436,6 +447,7 @@ impl Deck<'_> {
             element_sets,
             surfaces,
             unread,
+            stiff,
             constraints,
         })
     }
@@ -499,7 +511,7 @@ fn is_small(name: &str) -> bool {
         .any(|begin| name.starts_with(begin))
 }
 
-/// Whether elements of this type, which are lines or facets here, carry something in Abaqus. Gmsh writes facets as CPS.
+/// Whether elements of this type, which are lines or facets here, carry something in Abaqus if they have a section.
 fn has_stiffness_elsewhere(name: &str) -> bool {
     ["T3D", "B3", "S3", "S4", "S6", "S8", "STRI", "M3D"].iter().any(|begin| name.starts_with(begin))
 }

@@ -206,6 +206,7 @@ impl File {
             element_sets,
             surfaces,
             unread: Unread::default(),
+            stiff: Vec::new(),
             constraints: Vec::new(),
         })
     }

@@ -161,9 +161,8 @@ impl Evaluator<'_> {
         point: Result<ContactPoint, ElementError>,
         border: &mut BorderScratch,
     ) -> Result<ContactPoint, NoContact> {
-        // The fit over a facet in front may lead back to the slave's own place.
         if let (Some(own), Ok(found)) = (self.own, &point)
-            && !OwnSurface::faces(self.surface, self.positions, paired.slave, found.normal.into())
+            && !own.may_rest_on(self.surface, self.positions, paired.slave, paired.record.facet, found)
         {
             return Err(NoContact::NothingOver { limit: own.limit() });
         }

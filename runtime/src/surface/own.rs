@@ -6,8 +6,8 @@
 //! * **it faces the node**: their normals are opposite;
 //! * **it is far along the skin**: at least [`RINGS`] facets lie between them, and no fit over the facet has the node itself;
 //! * **it is not its back**: in the first configuration neither lies right behind the other, up to [`BEHIND`] thicknesses of the body;
-//! * **it is in front**: the node lies above the facet, or below it by no more than [`DEPTH`] of the thickness of the body, at the node
-//!   and at the facet.
+//! * **it is in front**: the node lies above the facet, and the facet above the node, or below it by no more than [`DEPTH`] of the
+//!   thickness of the body, at the node and at the facet. Around a bend a wall's other side may face a node, too, but from behind.
 //!
 //! Rings and thickness are those of the first configuration, too. In trial states of an iteration a wall may be squeezed to a part of its
 //! thickness: what is its back cannot follow from positions of the moment.
@@ -20,7 +20,7 @@ use super::index::Closest;
 use super::shape::Foot;
 use super::topology::NONE;
 use super::{MasterSurface, NodalDomains, Shape, SurfaceIndex};
-use crate::Point;
+use crate::{ContactPoint, Point};
 use crate::vector::Vector3;
 
 /// Cosine of the angle between the normals of a node and of a facet that it may touch, at most.
@@ -105,12 +105,14 @@ impl OwnSurface {
         let may_touch = self.may_touch(index, domains, place, 0.0);
         let (point, normals) = (index.positions()[place], index.normals());
         let x = Vector3::from(point);
+        let normal = normal_at(surface, place, |facet| index.shape(facet));
         let around = |facet: u32| {
             let corners = |facet: u32| surface.corners_of(facet as usize);
             before.is_some_and(|before| corners(before).iter().any(|place| corners(facet).contains(place)))
         };
         let is_in_front = |facet: u32, foot: &Foot| {
-            let height = normals[facet as usize].dot(&(x - foot.point));
+            let way = x - foot.point;
+            let height = normals[facet as usize].dot(&way).min(-normal.dot(&way));
             height >= -self.depth(surface, place, facet) || around(facet)
         };
         index.closest_where(point, self.limit, ties, |facet, foot| match foot {
@@ -212,10 +214,27 @@ impl OwnSurface {
         lies_behind(position - centre(&corners), normal, thickness, extent)
     }
 
-    /// Whether a surface with this normal can be one that the node touches, at these positions of all nodes.
-    pub fn faces(surface: &MasterSurface, positions: &[Point], node: usize, normal: Vector3) -> bool {
+    /// Whether a node can touch the fit over a facet at this foot, at these positions of all nodes: it may lead back to the node's own
+    /// place, or to the other side of its wall.
+    pub fn may_rest_on(
+        &self,
+        surface: &MasterSurface,
+        positions: &[Point],
+        node: usize,
+        facet: u32,
+        found: &ContactPoint,
+    ) -> bool {
         let Ok(place) = surface.nodes().binary_search(&(node as u32)) else { return true };
-        normal_at(surface, place, |facet| surface.shape(facet as usize, positions)).dot(&normal) < 0.0
+        let shape = |facet: u32| surface.shape(facet as usize, positions);
+        if normal_at(surface, place, shape).dot(&found.normal.into()) >= 0.0 {
+            return false;
+        }
+        let depth = self.depth(surface, place, facet);
+        found.gap >= -depth || {
+            let (x, facet) = (Vector3::from(positions[node]), shape(facet));
+            let height = facet.normal().dot(&(x - facet.closest(x).point));
+            found.gap >= height.min(0.0) - depth
+        }
     }
 }
 

@@ -412,11 +412,11 @@ impl Interaction {
         self.passes.iter_mut().for_each(|pass| pass.lasts(duration));
     }
 
-    /// From here on the open slaves of these bodies that are nearest to the master push with ε g. Their tangent is that of contact, and
-    /// minus their force would pull them onto the master.
-    pub(super) fn suppose(&mut self, bodies: &Bodies) {
+    /// From here on the open slaves of these bodies that are nearest to the master push with ε g, and those farther by less than the part
+    /// `near` of a facet. Their tangent is that of contact, and minus their force would pull them onto the master.
+    pub(super) fn suppose(&mut self, bodies: &Bodies, near: f64) {
         for (pass, size) in self.passes.iter_mut().zip(&self.sizes) {
-            let supposed = pass.supposed(bodies, *size);
+            let supposed = pass.supposed(bodies, *size, near);
             let mut multipliers =
                 if supposed.is_empty() { pass.state().multipliers.clone() } else { supposed };
             std::mem::swap(&mut pass.state_mut().multipliers, &mut multipliers);

@@ -168,8 +168,13 @@ impl ContactSet {
     ///
     /// # Errors
     /// [`ContactError::Interface`].
-    pub(crate) fn suppose(&mut self, positions: &[[f64; 3]], bodies: &Bodies) -> Result<(), ContactError> {
-        self.interactions.iter_mut().for_each(|interaction| interaction.suppose(bodies));
+    pub(crate) fn suppose(
+        &mut self,
+        positions: &[[f64; 3]],
+        bodies: &Bodies,
+        near: f64,
+    ) -> Result<(), ContactError> {
+        self.interactions.iter_mut().for_each(|interaction| interaction.suppose(bodies, near));
         self.evaluate(positions, Mode::Hessian)
     }
 

@@ -117,8 +117,6 @@ impl PassState {
     }
 }
 
-/// Slaves farther from the master than the nearest one by this part of their facets' size are not supposed to touch.
-const NEAR: f64 = 0.1;
 /// Added to the gap of a slave that is supposed to touch, over the facets' size: without any force it would not count.
 const LITTLE: f64 = 1e-12;
 
@@ -221,9 +219,10 @@ pub trait Pass: std::fmt::Debug {
     /// How what slaves are over is found.
     fn finder(&self) -> Finder<'_>;
 
-    /// Multipliers by which the open slaves of each body, and those that face it, push with ε g, if they are nearest to the master and not
-    /// farther than `size`; its own for other slaves. Empty if there are none.
-    fn supposed(&self, bodies: &Bodies, size: f64) -> Vec<f64> {
+    /// Multipliers by which the open slaves of each body, and those that face it, push with ε g, if they are nearest to the master, or
+    /// farther than the nearest by less than the part `near` of `size`, and not farther than `size`; its own for other slaves. Empty if
+    /// there are none.
+    fn supposed(&self, bodies: &Bodies, size: f64, near: f64) -> Vec<f64> {
         let open: Vec<(usize, SlaveState, f64)> = self
             .slaves()
             .enumerate()
@@ -244,7 +243,7 @@ pub trait Pass: std::fmt::Debug {
         for places in groups.values() {
             let least = places.iter().map(|&place| open[place].2).fold(size, f64::min);
             for (k, slave, gap) in places.iter().map(|&place| &open[place]) {
-                if !(*gap < (least + NEAR * size).min(size)) {
+                if !(*gap < (least + near * size).min(size)) {
                     continue;
                 }
                 if multipliers.is_empty() {

@@ -89,7 +89,13 @@ fn solid_part(mesh: &Mesh, elements: Option<&str>) -> Result<Part, ModelError> {
     let unread_constraints =
         mesh.unread_constraints().iter().filter(|constraint| holds(&element_sets, constraint));
     let unread_constraints = unread_constraints.cloned().collect();
-    let mut unread_elements = mesh.stiff_lines_and_facets().clone();
+    let mut unread_elements = BTreeMap::new();
+    for (index, kind) in mesh.stiff_lines_and_facets() {
+        // Of a rigid tool or another body they are not missing here.
+        if mesh.elements()[*index].nodes().iter().any(|&node| part.number[node] != usize::MAX) {
+            *unread_elements.entry(kind.clone()).or_default() += 1;
+        }
+    }
     for mesh::UnreadElement { kind, .. } in mesh.unread_elements() {
         if !may_be_solid(kind) && !NO_STIFFNESS.iter().any(|begin| kind.starts_with(begin)) {
             *unread_elements.entry(kind.clone()).or_default() += 1;

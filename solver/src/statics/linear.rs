@@ -15,7 +15,12 @@ use crate::system::{
 };
 
 /// Linear solutions of an increment for which contacts may be supposed to be closed.
-const MOST_SUPPOSED: usize = 4;
+const MOST_SUPPOSED: usize = 20;
+
+/// Slaves farther from their master than the nearest one by this part of their facets' size are not supposed to touch.
+pub(super) const NEAR: f64 = 0.1;
+/// Smaller parts, which are enough if as much is held: contacts that do not close bend a slender body.
+const NEARER: [f64; 2] = [1e-3, 1e-2];
 
 /// K Δx = −imbalance.
 pub(super) struct Assembled {
@@ -83,17 +88,14 @@ impl Problem {
         let is_due = !(is_stabilised && loose.is_empty() || self.contacts.are_none());
         if is_due && !self.is_in_vain && self.supposed < MOST_SUPPOSED {
             self.stiffness = Some(system.matrix);
-            let closed = self.closed(time, positions, &loose);
-            self.contacts.recall(positions).map_err(Failure::Contact)?;
-            system = closed?;
-            let held = self.loose(&system, positions);
+            let (closed, held) = self.suppose(time, positions, &loose)?;
             if motions(&held) < motions(&loose) || loose.is_empty() && !is_stabilised {
                 self.supposed += 1;
-                loose = held;
+                (system, loose) = (closed, held);
             } else {
                 // They hold nothing, and will not in this increment.
                 self.is_in_vain = true;
-                self.stiffness = Some(system.matrix);
+                self.stiffness = Some(closed.matrix);
                 system = self.assemble(time, positions, None)?;
             }
         }
@@ -111,8 +113,45 @@ impl Problem {
         self.active() == 0 && !self.pressures.iter().any(|pressure| pressure.follower)
     }
 
+    /// With as few contacts of loose parts supposed to be closed as hold as much as all of them that may be, and what they leave loose.
+    fn suppose(
+        &mut self,
+        time: f64,
+        positions: &[[f64; 3]],
+        loose: &[Loose],
+    ) -> Result<(Assembled, Vec<Loose>), Failure> {
+        let closed = |own: &mut Self, near: f64| {
+            let closed = own.closed(time, positions, loose, near);
+            own.contacts.recall(positions).map_err(Failure::Contact)?;
+            let closed = closed?;
+            let held = own.loose(&closed, positions);
+            Ok((closed, held))
+        };
+        let (mut all, least) = closed(self, NEAR)?;
+        let fewest = motions(&least);
+        if fewest < motions(loose) {
+            for near in NEARER {
+                self.stiffness = Some(all.matrix);
+                let (some, held) = closed(self, near)?;
+                if motions(&held) <= fewest {
+                    return Ok((some, held));
+                }
+                all = some;
+            }
+            self.stiffness = Some(all.matrix);
+            return closed(self, NEAR);
+        }
+        Ok((all, least))
+    }
+
     /// With contacts of loose parts that are supposed to be closed: what they push with is what has to pull them onto their masters.
-    fn closed(&mut self, time: f64, positions: &[[f64; 3]], loose: &[Loose]) -> Result<Assembled, Failure> {
+    fn closed(
+        &mut self,
+        time: f64,
+        positions: &[[f64; 3]],
+        loose: &[Loose],
+        near: f64,
+    ) -> Result<Assembled, Failure> {
         let bodies = if loose.is_empty() {
             // What is free is no rigid motion: any contact may hold it.
             Bodies::whole(positions.len())
@@ -124,7 +163,7 @@ impl Problem {
             let own = parts.filter_map(|(name, nodes)| Some((*of_name.get(name)?, &nodes[..])));
             Bodies::new(positions.len(), own)
         };
-        self.contacts.suppose(positions, &bodies).map_err(Failure::Contact)?;
+        self.contacts.suppose(positions, &bodies, near).map_err(Failure::Contact)?;
         let mut pushed = vec![0.0; self.contact.len()];
         self.contacts.add_internal_forces(&mut pushed).map_err(Failure::Contact)?;
         // Without the curvature of forces that are not there.

@@ -4,7 +4,7 @@
 use diffuse_contact::Mode;
 use diffuse_contact::assembly::Tangent;
 
-use super::linear::motions;
+use super::linear::{NEAR, motions};
 use super::{Failure, Loose, Problem, StaticsError};
 use crate::contact::Bodies;
 
@@ -72,7 +72,7 @@ impl Problem {
         let nodes = unloaded.iter().map(|part| &part.nodes[..]).enumerate();
         let bodies = Bodies::new(positions.len(), nodes);
         self.contacts.leave_out_friction(true);
-        let system = match self.contacts.suppose(positions, &bodies) {
+        let system = match self.contacts.suppose(positions, &bodies, NEAR) {
             Ok(()) => self.assemble(time, positions, Some(Tangent::GaussNewton)),
             Err(error) => Err(Failure::Contact(error)),
         };

@@ -434,7 +434,8 @@ impl Deck<'_> {
             .filter(|(name, _)| self.sections.contains(&name.to_lowercase()))
             .flat_map(|(_, elements)| elements.iter().copied())
             .collect();
-        let stiff = self.stiff.into_iter().filter_map(|(tag, kind)| Some((builder.element_index(tag)?, kind)));
+        let stiff =
+            self.stiff.into_iter().filter_map(|(tag, kind)| Some((builder.element_index(tag)?, kind)));
         let stiff = stiff.filter(|(index, _)| with_section.contains(index)).collect();
         let surfaces = surfaces.publish(facets.into_iter().map(|surface| surface.facets).collect(), &owner);
         let (mut nodes, node_tags) = builder.into_nodes();

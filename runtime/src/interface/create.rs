@@ -1,6 +1,6 @@
 //! Interfaces from a master surface and slaves, and what they keep of the first configuration: planes of symmetry, domains.
 
-use super::nodal::{Nodal, planes_of};
+use super::nodal::{Nodal, check_planes};
 use super::pairings::Pairings;
 use super::{ContactElement, ContactInterface, Contacts, InterfaceError, InterfaceOptions};
 use crate::Point;
@@ -146,12 +146,8 @@ impl ContactInterface {
         }
         let index = self.master.at(&first)?;
         // Facets have no domains, but planes all the same.
-        planes_of(&index, planes)?;
-        let nodal = Nodal::new(&index, &self.options, planes)?;
-        if let Some(nodal) = &nodal {
-            nodal.check_slaves(&index, planes, self.pairings.layout.slaves(), &first)?;
-        }
-        self.nodal = nodal;
+        check_planes(&index, planes, self.pairings.layout.slaves(), &first)?;
+        self.nodal = Nodal::new(&index, &self.options, planes)?;
         // Anchors name images by number.
         if self.planes != planes {
             self.anchors = None;
@@ -167,8 +163,7 @@ impl ContactInterface {
     /// # Errors
     /// [`InterfaceError::SlaveBehindSymmetry`].
     pub(crate) fn check_slave_sides(&self, nodes: &[usize]) -> Result<(), InterfaceError> {
-        let Some(nodal) = &self.nodal else { return Ok(()) };
-        nodal.check_slaves(&self.master.at(&self.positions)?, &self.planes, nodes, &self.positions)
+        check_planes(&self.master.at(&self.positions)?, &self.planes, nodes, &self.positions)
     }
 
     /// Until the next refresh no slave is paired.

@@ -40,26 +40,6 @@ impl Nodal {
         Ok(Some(Self { domains, symmetry, creases, extents }))
     }
 
-    /// Refuses slaves behind planes of symmetry.
-    ///
-    /// # Errors
-    /// [`InterfaceError::SlaveBehindSymmetry`].
-    pub fn check_slaves(
-        &self,
-        index: &SurfaceIndex<'_>,
-        planes: &[SymmetryPlane],
-        slaves: &[usize],
-        positions: &[Point],
-    ) -> Result<(), InterfaceError> {
-        let points = slaves.iter().map(|&node| positions[node]);
-        match Symmetry::farthest_behind(planes, index.positions(), self.extents.facet, points) {
-            None => Ok(()),
-            Some((plane, place, distance)) => {
-                Err(InterfaceError::SlaveBehindSymmetry { node: slaves[place], plane, distance })
-            }
-        }
-    }
-
     /// That of a sheet node, or of its image with this number.
     pub fn domain(&self, node: u32, image: u32) -> MaterialDomain {
         let domain = *self.domains.domain(node);
@@ -73,4 +53,30 @@ pub fn planes_of(index: &SurfaceIndex<'_>, planes: &[SymmetryPlane]) -> Result<S
         return Ok(Symmetry::default());
     }
     Ok(Symmetry::of_planes(planes, Extents::of(index).facet)?)
+}
+
+/// Refuses what cannot be planes of symmetry of a surface, or has slaves behind it.
+///
+/// # Errors
+/// [`InterfaceError::Surface`], [`InterfaceError::SlaveBehindSymmetry`].
+pub fn check_planes(
+    index: &SurfaceIndex<'_>,
+    planes: &[SymmetryPlane],
+    slaves: &[usize],
+    positions: &[Point],
+) -> Result<(), InterfaceError> {
+    if planes.is_empty() {
+        return Ok(());
+    }
+    let Extents { facet, low, high, .. } = Extents::of(index);
+    Symmetry::of_planes(planes, facet)?;
+    Symmetry::check_angles(planes, [low, high])?;
+    Symmetry::check_sides(planes, index.positions(), facet)?;
+    let points = slaves.iter().map(|&node| positions[node]);
+    match Symmetry::farthest_behind(planes, index.positions(), facet, points) {
+        None => Ok(()),
+        Some((plane, place, distance)) => {
+            Err(InterfaceError::SlaveBehindSymmetry { node: slaves[place], plane, distance })
+        }
+    }
 }

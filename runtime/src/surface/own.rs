@@ -20,8 +20,8 @@ use super::index::Closest;
 use super::shape::Foot;
 use super::topology::NONE;
 use super::{MasterSurface, NodalDomains, Shape, SurfaceIndex};
-use crate::{ContactPoint, Point};
 use crate::vector::Vector3;
+use crate::{ContactPoint, Point};
 
 /// Cosine of the angle between the normals of a node and of a facet that it may touch, at most.
 const OPPOSITE: f64 = -0.1;

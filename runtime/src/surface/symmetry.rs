@@ -17,6 +17,9 @@ const SAME_IMAGE: f64 = 1e-9;
 const BEHIND: f64 = 0.01;
 /// Planes may be as far as this off 180° over a whole number, radians.
 const ANGLE_TOLERANCE: f64 = 1e-6;
+/// A plane within this part of a box from its middle says nothing of the side that a model in the box is on: that of a wedge is cut along its
+/// diagonal.
+const UNDECIDED: f64 = 1e-3;
 /// A unit normal may be as long as this off 1.
 const UNIT_TOLERANCE: f64 = 1e-9;
 
@@ -43,6 +46,13 @@ impl SymmetryPlane {
     /// Distance of a point, positive on the side of the model.
     fn distance(&self, x: Point) -> f64 {
         Vector3::from(self.normal).dot(&(Vector3::from(x) - Vector3::from(self.point)))
+    }
+
+    /// The least and the largest distance of the image of a box from `low` to `high`.
+    fn interval(&self, image: &Image, [low, high]: [Point; 2]) -> (f64, f64) {
+        let corner = |k: usize| [0, 1, 2].map(|axis| if k >> axis & 1 == 0 { low[axis] } else { high[axis] });
+        let distances = (0..8).map(|k| self.distance(image.of(corner(k))));
+        distances.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| (low.min(x), high.max(x)))
     }
 
     /// The reflection x → x − 2 (n·(x − p)) n.
@@ -109,18 +119,8 @@ impl Symmetry {
     /// parallel and do not meet at 180° over a whole number; [`SurfaceError::TooManyImages`] for such as are too near to one another.
     pub fn new(planes: &[SymmetryPlane], reach: f64, [low, high]: [Point; 2]) -> Result<Self, SurfaceError> {
         check(planes)?;
-        let corners: Vec<Point> = (0..8)
-            .map(|k| [0, 1, 2].map(|axis| if k >> axis & 1 == 0 { low[axis] } else { high[axis] }))
-            .collect();
-        let interval = |plane: &SymmetryPlane, image: &Image| {
-            let heights = corners.iter().map(|&x| plane.distance(image.of(x)));
-            heights.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| (low.min(x), high.max(x)))
-        };
-        let inward = |plane: &SymmetryPlane| {
-            let (low, high) = interval(plane, &Image::IDENTITY);
-            Vector3::from(plane.normal) * if low + high < 0.0 { -1.0 } else { 1.0 }
-        };
-        check_angles(&planes.iter().map(inward).collect::<Vec<_>>())?;
+        Self::check_angles(planes, [low, high])?;
+        let interval = |plane: &SymmetryPlane, image: &Image| plane.interval(image, [low, high]);
         // Seen along the normal of any plane, the image has to be near the model.
         let is_near = |image: &Image| {
             planes.iter().all(|plane| {
@@ -156,6 +156,33 @@ impl Symmetry {
             return Ok(Self::default());
         }
         Self::new(planes, IMAGES_REACH * extents.facet, [extents.low, extents.high])
+    }
+
+    /// Refuses planes that do not meet at 180° over a whole number in the model, which lies in the box from `low` to `high`: a mirror image of
+    /// the model would lie in it.
+    ///
+    /// # Errors
+    /// [`SurfaceError::SymmetryAngle`].
+    pub fn check_angles(planes: &[SymmetryPlane], bounds: [Point; 2]) -> Result<(), SurfaceError> {
+        let inward = |plane: &SymmetryPlane| {
+            let (low, high) = plane.interval(&Image::IDENTITY, bounds);
+            let normal = Vector3::from(plane.normal) * if low + high < 0.0 { -1.0 } else { 1.0 };
+            (normal, (low + high).abs() > UNDECIDED * (high - low))
+        };
+        let normals: Vec<(Vector3, bool)> = planes.iter().map(inward).collect();
+        for (second, (n, is_known)) in normals.iter().enumerate() {
+            for (first, (m, is_other_known)) in normals[..second].iter().enumerate() {
+                let angle = m.cross(n).norm().atan2(-m.dot(n));
+                let is_one = |angle: f64| (angle - PI / (PI / angle).round()).abs() <= ANGLE_TOLERANCE;
+                let is_parallel = angle.min(PI - angle) <= ANGLE_TOLERANCE;
+                let is_certain = *is_known && *is_other_known;
+                if !is_parallel && !is_one(angle) && (is_certain || !is_one(PI - angle)) {
+                    let (planes, degrees) = ([first, second], angle.to_degrees());
+                    return Err(SurfaceError::SymmetryAngle { planes, degrees });
+                }
+            }
+        }
+        Ok(())
     }
 
     /// Refuses planes with nodes on both sides: images would lie among them.
@@ -292,25 +319,6 @@ fn check(planes: &[SymmetryPlane]) -> Result<(), SurfaceError> {
     Ok(())
 }
 
-/// Refuses planes that do not meet at 180° over a whole number in the model, whose side the normals point to: a mirror image of the model
-/// would lie in it.
-fn check_angles(normals: &[Vector3]) -> Result<(), SurfaceError> {
-    for (second, n) in normals.iter().enumerate() {
-        for (first, m) in normals[..second].iter().enumerate() {
-            let angle = m.cross(n).norm().atan2(-m.dot(n));
-            let parts = (PI / angle).round();
-            let is_parallel = angle.min(PI - angle) <= ANGLE_TOLERANCE;
-            if !is_parallel && (angle - PI / parts).abs() > ANGLE_TOLERANCE {
-                return Err(SurfaceError::SymmetryAngle {
-                    planes: [first, second],
-                    degrees: angle.to_degrees(),
-                });
-            }
-        }
-    }
-    Ok(())
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -388,6 +396,19 @@ mod tests {
         let planes = [flipped(-1.0), SymmetryPlane { point: [0.0; 3], normal: [-0.6, 0.8, 0.0] }];
         let error = Symmetry::new(&planes, 1.0, model).unwrap_err();
         assert!(error.to_string().contains("53.13"), "{error}");
+        // A wedge fills half of its box, and its oblique plane is the diagonal.
+        for degrees in [22.5, 30.0, 45.0, 60.0_f64] {
+            let (s, c) = degrees.to_radians().sin_cos();
+            for side in [-1.0, 1.0] {
+                let other = SymmetryPlane { point: [0.0; 3], normal: [side * s, -side * c, 0.0] };
+                for (width, shift) in [(1.0, 0.0), (40.0, 1e-7), (0.3, -1e-8)] {
+                    let corner = [width, width * s / c + shift, 1.0];
+                    let planes = [SymmetryPlane::across(1, [0.0; 3]), other];
+                    let symmetry = Symmetry::new(&planes, 0.5 * width, [[0.0; 3], corner]).unwrap();
+                    assert!(!symmetry.images.is_empty());
+                }
+            }
+        }
         let thin = SymmetryPlane { point: [0.001, 0.0, 0.0], normal: [-1.0, 0.0, 0.0] };
         let error = Symmetry::new(&[flipped(1.0), thin], 1.0, [[0.0; 3], [0.001, 1.0, 1.0]]).unwrap_err();
         assert!(matches!(error, SurfaceError::TooManyImages { images: MOST_IMAGES, .. }));

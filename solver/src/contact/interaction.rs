@@ -1,6 +1,6 @@
 //! One pair of surfaces.
 
-use std::collections::HashMap;
+use std::collections::{BTreeMap, HashMap};
 
 use diffuse_contact::assembly::{Tangent, TangentOperator};
 use diffuse_contact::faces::IntegrationPoint;
@@ -15,7 +15,7 @@ use super::fallbacks::Fallbacks;
 use super::friction::FrictionHistory;
 use super::losses::is_failure;
 use super::node_pass::NodePass;
-use super::pass::{Bodies, NodalForces, Pass, PassError};
+use super::pass::{Bodies, Nearest, NodalForces, Pass, PassError};
 use super::penetration::Penetration;
 use super::{Augmentation, ContactError, Integration, InteractionOptions, LostContact, Way};
 use crate::model::sorted;
@@ -199,6 +199,16 @@ impl Interaction {
         let mut all = Penetration::default();
         for slave in self.slaves().filter(|slave| slave.force > 0.0 && !slave.is_held) {
             all.count(slave.gap.map_or(0.0, |gap| -gap / self.facet_size_at(slave.node)));
+        }
+        if self.slaves().all(|slave| slave.is_held) {
+            return all;
+        }
+        for (pass, size) in self.passes.iter().zip(&self.sizes) {
+            // Before the first update there are none.
+            pass.integration_points()
+                .unwrap_or_default()
+                .iter()
+                .for_each(|point| all.count_point(-point.gap / size));
         }
         all
     }
@@ -412,16 +422,33 @@ impl Interaction {
         self.passes.iter_mut().for_each(|pass| pass.lasts(duration));
     }
 
-    /// From here on the open slaves of these bodies that are nearest to the master push with ε g, and those farther by less than the part
-    /// `near` of a facet. Their tangent is that of contact, and minus their force would pull them onto the master.
-    pub(super) fn suppose(&mut self, bodies: &Bodies, near: f64) {
+    /// Lowers `least` to the least gap of open slaves, by the bodies that they are on or face.
+    pub(super) fn lower(&self, bodies: &Bodies, least: &mut BTreeMap<usize, f64>) {
+        self.passes.iter().for_each(|pass| pass.lower(bodies, least));
+    }
+
+    /// From here on the open slaves of these bodies that are nearest to the master push with ε g; `least` are the least gaps of the bodies.
+    /// Their tangent is that of contact, and minus their force would pull them onto the master.
+    pub(super) fn suppose(&mut self, bodies: &Bodies, nearest: Nearest, least: &BTreeMap<usize, f64>) {
         for (pass, size) in self.passes.iter_mut().zip(&self.sizes) {
-            let supposed = pass.supposed(bodies, *size, near);
+            let supposed = match nearest {
+                Nearest::OfBody(near) => pass.supposed(bodies, *size, near, least),
+                Nearest::OfPass(near) => {
+                    let mut least = BTreeMap::new();
+                    pass.lower(bodies, &mut least);
+                    pass.supposed(bodies, *size, near, &least)
+                }
+            };
             let mut multipliers =
                 if supposed.is_empty() { pass.state().multipliers.clone() } else { supposed };
             std::mem::swap(&mut pass.state_mut().multipliers, &mut multipliers);
             self.before.push(multipliers);
         }
+    }
+
+    /// From here on with this part of the penalty; the next evaluation sees it.
+    pub(super) fn soften(&mut self, softness: f64) {
+        self.passes.iter_mut().for_each(|pass| pass.state_mut().softness = softness);
     }
 
     /// Ends what [`suppose`](Self::suppose) began.

@@ -34,11 +34,13 @@ pub use operator::{ContactOperator, ContactTangent};
 pub use options::{
     Augmentation, Coefficient, Friction, Integration, InteractionOptions, RefreshRule, TangentRule,
 };
-pub(crate) use pass::Bodies;
 pub use pass::NodalForces;
+pub(crate) use pass::{Bodies, Nearest};
 pub use penetration::Penetration;
 pub use resultant::Resultant;
 pub use tracks::Way;
+
+use std::collections::BTreeMap;
 
 use diffuse_contact::Mode;
 use diffuse_contact::assembly::Tangent;
@@ -172,9 +174,11 @@ impl ContactSet {
         &mut self,
         positions: &[[f64; 3]],
         bodies: &Bodies,
-        near: f64,
+        nearest: Nearest,
     ) -> Result<(), ContactError> {
-        self.interactions.iter_mut().for_each(|interaction| interaction.suppose(bodies, near));
+        let mut least = BTreeMap::new();
+        self.interactions.iter().for_each(|interaction| interaction.lower(bodies, &mut least));
+        self.interactions.iter_mut().for_each(|interaction| interaction.suppose(bodies, nearest, &least));
         self.evaluate(positions, Mode::Hessian)
     }
 
@@ -185,6 +189,11 @@ impl ContactSet {
     pub(crate) fn recall(&mut self, positions: &[[f64; 3]]) -> Result<(), ContactError> {
         self.interactions.iter_mut().for_each(Interaction::recall);
         self.evaluate(positions, Mode::Hessian)
+    }
+
+    /// From here on with this part of all penalties; the next evaluation sees it.
+    pub(crate) fn soften(&mut self, softness: f64) {
+        self.interactions.iter_mut().for_each(|interaction| interaction.soften(softness));
     }
 
     /// Whether there are any interactions.
@@ -331,7 +340,7 @@ impl ContactSet {
     /// Names of the interfaces with slaves that lie deep below their masters, beside the size of their facets, at the last evaluation.
     pub fn penetrations(&self) -> impl Iterator<Item = (String, Penetration)> {
         let counted = |own: &Interaction| (own.options().name.clone(), own.penetration());
-        self.interactions.iter().map(counted).filter(|(_, found)| found.slaves > 0)
+        self.interactions.iter().map(counted).filter(|(_, found)| !found.is_none())
     }
 
     /// Integration points of loaded faces that carry no force at the last evaluation although they have a gap: their line of force

@@ -58,6 +58,8 @@ impl From<AssemblyError> for PassError {
 #[derive(Debug)]
 pub struct PassState {
     penalty: f64,
+    /// Factor on the penalty, 1 but on the way to equilibrium.
+    pub softness: f64,
     pub tangent: TangentRule,
     pub friction: Option<PassFriction>,
     /// What friction remembers besides the interface's history, which is left empty here.
@@ -84,6 +86,7 @@ impl PassState {
     ) -> Result<Self, ContactError> {
         Ok(Self {
             penalty,
+            softness: 1.0,
             tangent: options.tangent,
             friction: PassFriction::new(options, penalty)?,
             history: FrictionHistory::default(),
@@ -96,14 +99,15 @@ impl PassState {
         })
     }
 
+    /// The penalty of the moment.
     pub const fn penalty(&self) -> f64 {
-        self.penalty
+        self.penalty * self.softness
     }
 
     /// The law of all slaves' normal forces.
     pub fn normal_law(&self) -> ContactLaw<'_> {
         let multipliers = (!self.multipliers.is_empty()).then_some(self.multipliers.as_slice());
-        ContactLaw::penalty(self.penalty).with_multipliers(multipliers).with_tangent(Tangent::Exact)
+        ContactLaw::penalty(self.penalty()).with_multipliers(multipliers).with_tangent(Tangent::Exact)
     }
 
     /// The law of all slaves, also of friction.
@@ -115,6 +119,15 @@ impl PassState {
     pub fn with_friction<'a>(&'a self, law: ContactLaw<'a>) -> ContactLaw<'a> {
         law.with_friction(self.friction.as_ref().map(PassFriction::law))
     }
+}
+
+/// Which open slaves are supposed to touch.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Nearest {
+    /// Those whose gap is less than this part of their facets' size above the least one of the body.
+    OfBody(f64),
+    /// The same, above the least one of the body in each pass.
+    OfPass(f64),
 }
 
 /// Added to the gap of a slave that is supposed to touch, over the facets' size: without any force it would not count.
@@ -219,30 +232,36 @@ pub trait Pass: std::fmt::Debug {
     /// How what slaves are over is found.
     fn finder(&self) -> Finder<'_>;
 
-    /// Multipliers by which the open slaves of each body, and those that face it, push with ε g, if they are nearest to the master, or
-    /// farther than the nearest by less than the part `near` of `size`, and not farther than `size`; its own for other slaves. Empty if
-    /// there are none.
-    fn supposed(&self, bodies: &Bodies, size: f64, near: f64) -> Vec<f64> {
-        let open: Vec<(usize, SlaveState, f64)> = self
-            .slaves()
-            .enumerate()
-            .filter(|(_, slave)| slave.force == 0.0 && !slave.is_held)
-            .filter_map(|(k, slave)| slave.gap.map(|gap| (k, slave, gap)))
-            .collect();
-        let mut groups: BTreeMap<usize, Vec<usize>> = BTreeMap::new();
-        if self.master().nodes().iter().any(|&node| bodies.of(node as usize).is_some()) {
-            // They face one of the bodies, whichever it is.
-            groups.insert(usize::MAX, (0..open.len()).collect());
-        }
-        for (place, (_, slave, _)) in open.iter().enumerate() {
-            if let Some(body) = bodies.of(slave.node) {
-                groups.entry(body).or_default().push(place);
+    /// Open slaves that may be supposed to touch, by the bodies that they are on or face: place, state and gap.
+    fn open(&self, bodies: &Bodies) -> BTreeMap<usize, Vec<(usize, SlaveState, f64)>> {
+        let mut open: BTreeMap<usize, Vec<_>> = BTreeMap::new();
+        // They face one of the bodies, whichever it is.
+        let faces_one = self.master().nodes().iter().any(|&node| bodies.of(node as usize).is_some());
+        for (k, slave) in self.slaves().enumerate().filter(|(_, slave)| slave.force == 0.0 && !slave.is_held)
+        {
+            let Some(gap) = slave.gap else { continue };
+            for body in bodies.of(slave.node).into_iter().chain(faces_one.then_some(usize::MAX)) {
+                open.entry(body).or_default().push((k, slave, gap));
             }
         }
+        open
+    }
+
+    /// Lowers `least` to the least gap of open slaves, by the bodies that they are on or face.
+    fn lower(&self, bodies: &Bodies, least: &mut BTreeMap<usize, f64>) {
+        for (body, open) in self.open(bodies) {
+            let least = least.entry(body).or_insert(f64::INFINITY);
+            *least = open.iter().map(|&(.., gap)| gap).fold(*least, f64::min);
+        }
+    }
+
+    /// Multipliers by which the open slaves of each body, and those that face it, push with ε g, if their gap is less than the part `near`
+    /// of `size` above the least one, and less than `size`; its own for other slaves. Empty if there are none.
+    fn supposed(&self, bodies: &Bodies, size: f64, near: f64, least: &BTreeMap<usize, f64>) -> Vec<f64> {
         let mut multipliers = Vec::new();
-        for places in groups.values() {
-            let least = places.iter().map(|&place| open[place].2).fold(size, f64::min);
-            for (k, slave, gap) in places.iter().map(|&place| &open[place]) {
+        for (body, open) in self.open(bodies) {
+            let least = least.get(&body).copied().unwrap_or(size).min(size);
+            for (k, slave, gap) in &open {
                 if !(*gap < (least + near * size).min(size)) {
                     continue;
                 }

@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 const DEEP: f64 = 0.05;
 
 /// Slaves of an interface, of both passes if there are two, that carry force deeper below the master than 5 % of the size of the facets around
-/// them.
+/// them. Over faces also points, which the average gaps of nodes do not show.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct Penetration {
@@ -15,9 +15,25 @@ pub struct Penetration {
     pub slaves: usize,
     /// The deepest of them, over the size of its facets.
     pub part: f64,
+    /// How many integration points lie deeper than 5 % of the mean size of the slave's faces.
+    pub points: usize,
+    /// The deepest of them, over that size.
+    pub part_of_points: f64,
 }
 
 impl Penetration {
+    /// Whether there are none.
+    pub(super) fn is_none(&self) -> bool {
+        self.slaves == 0 && self.points == 0
+    }
+
+    /// Counts an integration point that lies so deep, over the size of faces.
+    pub(super) fn count_point(&mut self, part: f64) {
+        if part > DEEP {
+            (self.points, self.part_of_points) = (self.points + 1, self.part_of_points.max(part));
+        }
+    }
+
     /// Counts a slave that lies so deep, over the size of its facets.
     pub(super) fn count(&mut self, part: f64) {
         if part > DEEP {
@@ -28,12 +44,26 @@ impl Penetration {
     /// The larger of each.
     #[must_use]
     pub fn max(self, other: Self) -> Self {
-        Self { slaves: self.slaves.max(other.slaves), part: self.part.max(other.part) }
+        Self {
+            slaves: self.slaves.max(other.slaves),
+            part: self.part.max(other.part),
+            points: self.points.max(other.points),
+            part_of_points: self.part_of_points.max(other.part_of_points),
+        }
     }
 
     /// What to think of it, in a sentence about an interface with this penalty.
     pub fn warning(&self, interface: &str, penalty: f64) -> String {
-        let Self { slaves, part } = self;
+        let Self { slaves, part, points, part_of_points } = self;
+        if *slaves == 0 {
+            return format!(
+                "interface `{}`: up to {points} points of the slave's faces lay deeper below the master than 5 % of the faces' size, by up to \
+                 {:.1} %, although the average gaps of their nodes are less: the faces are coarse beside the master's curvature, and contact \
+                 begins late there; smaller ones, exchanged roles, or integration = \"nodes\" are more accurate",
+                shown(interface),
+                100.0 * part_of_points
+            );
+        }
         format!(
             "interface `{}`: up to {slaves} slaves ended an increment deeper below the master than 5 % of the size of their facets, by up to \
              {:.1} %, with the penalty {penalty:.3e}: a stiffer one, or method = \"augmented-lagrangian\", lets them in less",

@@ -287,6 +287,11 @@ impl Progress {
                 counted(record.supposed, "linear solution")
             ));
         }
+        if record.softened {
+            say(
+                "  note: a body came loose from its contact on the way: contact was found with softer penalties first",
+            );
+        }
         if record.stabilised > 0 {
             say(&format!(
                 "  note: nothing but the stabilisation holds a body in {}",

@@ -139,6 +139,20 @@ impl Failure {
         }
     }
 
+    /// Whether the iteration may have failed since bodies came loose from stiff contact.
+    pub(super) fn may_be_of_contact(&self) -> bool {
+        matches!(
+            self,
+            Self::Iterations { .. }
+                | Self::Diverged { .. }
+                | Self::Cycle { .. }
+                | Self::Inverted(_)
+                | Self::Lost { .. }
+                | Self::Singular { .. }
+                | Self::Fatal(StaticsError::Singular { .. })
+        )
+    }
+
     /// Where nothing but the bodies themselves could hold a part that is loose, a shorter increment does not mend it.
     pub(super) fn without_contact(self, time: f64) -> Self {
         match self {

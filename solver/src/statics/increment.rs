@@ -20,6 +20,10 @@ const LOOSEST: f64 = 1e-4;
 const TIGHTEST: f64 = 1e-9;
 /// How far a loaded part may be from equilibrium, over the forces on it.
 const OF_A_PART: f64 = 1e-3;
+/// Parts of the penalty that contact is found with one after the other, before that with all of it, where a body comes loose from it on the
+/// way. The gap of a moving body is not linear: what is left of it after a step may be more than the penetration, and then there is no contact
+/// to go on from.
+const SOFTER: [f64; 6] = [1e-4, 1e-3, 1e-2, 0.03, 0.1, 0.3];
 /// How often a step that turns an element inside out, or takes contacts their elements, is halved.
 const HALVINGS: usize = 8;
 
@@ -41,6 +45,11 @@ pub struct Increment<'a> {
     is_balanced: bool,
     rounds: Rounds,
     cycle: Cycle,
+    /// How many of the softer penalties are still to come, and whether there were any.
+    softer: usize,
+    is_softened: bool,
+    /// Linear solutions before the attempt on its way.
+    before: usize,
 }
 
 /// Whether residuals come back every second time.
@@ -91,11 +100,38 @@ impl<'a> Increment<'a> {
             is_balanced: false,
             rounds: Rounds::default(),
             cycle: Cycle::default(),
+            softer: 0,
+            is_softened: false,
+            before: 0,
         }
     }
 
-    /// Iterates to equilibrium. A failure leaves the committed state what it is.
+    /// Iterates to equilibrium, with softer penalties first if a body came loose on the way without. A failure leaves the committed state
+    /// what it is.
     pub fn solve(&mut self, observer: &mut dyn Observer) -> Result<(State, IncrementRecord), Failure> {
+        let failure = match self.attempt(observer) {
+            Err(failure) if failure.may_be_of_contact() && self.problem.supposed > 0 => failure,
+            outcome => return outcome,
+        };
+        let (left, count) = (self.positions.clone(), self.history.len());
+        self.positions.copy_from_slice(&self.committed.positions);
+        (self.step, self.size, self.is_balanced) = (0.0, None, false);
+        self.rounds = Rounds { begin: count, ..Rounds::default() };
+        self.cycle = Cycle { begin: count, ..Cycle::default() };
+        (self.softer, self.is_softened, self.before) = (SOFTER.len(), true, self.iterations);
+        self.problem.contacts_mut().soften(SOFTER[0]);
+        let outcome = self.attempt(observer);
+        self.problem.contacts_mut().soften(1.0);
+        outcome.or_else(|_| {
+            // What is told is the state that failed without.
+            self.positions = left;
+            self.history.truncate(count);
+            self.evaluate(Order::Residual)?;
+            Err(failure)
+        })
+    }
+
+    fn attempt(&mut self, observer: &mut dyn Observer) -> Result<(State, IncrementRecord), Failure> {
         let newton = self.settings.newton;
         self.problem.take_history(self.committed)?;
         self.problem.refresh(RefreshRule::Increment, &self.positions)?;
@@ -120,7 +156,9 @@ impl<'a> Increment<'a> {
             self.record(balance, observer)?;
             let is_balanced = balance.excess <= self.allowed(balance);
             let of_parts = if is_balanced { self.problem.worst_part() } else { 0.0 };
-            if is_balanced && of_parts <= OF_A_PART {
+            if is_balanced && of_parts <= OF_A_PART && self.harden(observer)? {
+                // The next round begins.
+            } else if is_balanced && of_parts <= OF_A_PART {
                 self.check_losses()?;
                 if self.augment(observer)? {
                     let before = (self.committed.increments > 0).then_some(&self.committed.positions[..]);
@@ -196,13 +234,29 @@ impl<'a> Increment<'a> {
             return Ok(true);
         }
         self.rounds.count += 1;
+        self.begin_round(observer)?;
+        Ok(false)
+    }
+
+    /// In equilibrium with a softer penalty: goes on with the next stiffer one; whether there is any.
+    fn harden(&mut self, observer: &mut dyn Observer) -> Result<bool, Failure> {
+        if self.softer == 0 {
+            return Ok(false);
+        }
+        self.softer -= 1;
+        let softness = SOFTER.get(SOFTER.len() - self.softer).copied().unwrap_or(1.0);
+        self.problem.contacts_mut().soften(softness);
+        self.begin_round(observer)?;
+        Ok(true)
+    }
+
+    /// What the new multipliers or penalties put out of balance is what the round starts from.
+    fn begin_round(&mut self, observer: &mut dyn Observer) -> Result<(), Failure> {
         self.cycle = Cycle::default();
         (self.rounds.iterations, self.rounds.begin) = (0, self.history.len());
-        // What the new multipliers put out of balance is what the round starts from.
         (self.step, self.size) = (0.0, None);
         let balance = self.evaluate(Order::Tangent)?;
-        self.record(balance, observer)?;
-        Ok(false)
+        self.record(balance, observer)
     }
 
     fn evaluate(&mut self, order: Order) -> Result<Balance, Failure> {
@@ -380,7 +434,7 @@ impl<'a> Increment<'a> {
         self.iterations += 1;
         let is_alone = self.problem.is_of_the_bodies_alone();
         // Where the increment begins, not where a line through the last two states leads.
-        let is_start = self.iterations == 1 && self.positions == self.committed.positions;
+        let is_start = self.iterations == self.before + 1 && self.positions == self.committed.positions;
         let solved = self.problem.solve(self.end, &self.positions, prescribed, accuracy);
         let had_contact = self.committed.loaded.iter().any(|slaves| !slaves.is_empty());
         // A shorter increment has the same stiffness at its start. Contacts that were supposed it has to suppose again, unless it begins
@@ -467,6 +521,7 @@ impl<'a> Increment<'a> {
             penetrations: problem.contacts().penetrations().collect(),
             missed: problem.contacts().missed(),
             supposed: problem.supposed,
+            softened: self.is_softened,
             stabilised: problem.stabilised,
             linear: problem.linear,
             max_penetration: problem.contacts().max_penetration(),

@@ -4,12 +4,14 @@
 const GOOD: f64 = 0.8;
 /// Shortest step, relative to the full one.
 const SHORTEST: f64 = 0.005;
+/// Slopes that differ by less than this part are one: until a loose body touches something, no step changes it.
+const LEVEL: f64 = 1e-3;
 /// Most evaluations besides that of the full step.
 const TRIES: usize = 8;
 
 /// Finds s in (0, 1] so that the slope, Δx·r at x + s Δx, is small against `start`, that at x; `full` is that at x + Δx. A root is
 /// sought only if the slope has changed its sign. Of all steps tried, the full one among them, that with the smallest slope is
-/// taken.
+/// taken, of those with the same one the longest.
 pub fn line_search<E>(start: f64, full: f64, mut slope: impl FnMut(f64) -> Result<f64, E>) -> Result<f64, E> {
     let good = |slope: f64| slope.abs() <= GOOD * start.abs();
     if good(full) || !start.is_finite() || !(start * full < 0.0) {
@@ -19,14 +21,20 @@ pub fn line_search<E>(start: f64, full: f64, mut slope: impl FnMut(f64) -> Resul
     let (mut low, mut low_slope) = (0.0, start);
     let (mut high, mut high_slope) = (1.0, full);
     let mut best = (1.0, full.abs());
+    let mut has_level = false;
     for _ in 0..TRIES {
-        let s = (low - low_slope * (high - low) / (high_slope - low_slope)).max(SHORTEST);
+        let secant = (low - low_slope * (high - low) / (high_slope - low_slope)).max(SHORTEST);
+        let s = if has_level { 0.5 * (low + high) } else { secant };
         let found = slope(s)?;
         // There is no state there.
         if !found.is_finite() {
             break;
         }
-        if found.abs() < best.1 {
+        let is_level = (found - start).abs() <= LEVEL * start.abs();
+        has_level |= is_level;
+        if found.abs() < best.1
+            || is_level && (best.1 - start.abs()).abs() <= LEVEL * start.abs() && s > best.0
+        {
             best = (s, found.abs());
         }
         // Where even the shortest step is too far there is nothing to look for.
@@ -73,6 +81,14 @@ mod tests {
         assert!((1.0 - 50.0 * s * s * s).abs() <= GOOD && count <= TRIES);
         // The root is nearer than the shortest step.
         assert_eq!(search(|s| 1.0 - 1e4 * s).0, SHORTEST);
+    }
+
+    #[test]
+    fn a_loose_body_goes_as_far_as_what_it_touches() {
+        for (touches, stiffness) in [(0.9, 1e3), (0.5, 1e6), (0.99, 1e9), (0.05, 1e4)] {
+            let (s, count) = search(|s| if s < touches { 1.0 } else { 1.0 - stiffness * (s - touches) });
+            assert!((s - touches).abs() <= 0.02 && count <= TRIES, "{touches} {stiffness}: {s}");
+        }
     }
 
     #[test]

@@ -8,19 +8,20 @@ use diffuse_contact::assembly::Tangent;
 
 use super::loose::{Loose, loose_parts};
 use super::{Failure, LinearEffort, Problem};
-use crate::contact::{Bodies, ContactOperator};
+use crate::contact::{Bodies, ContactOperator, Nearest};
 use crate::system::{
     Accuracy, BlockMatrix, BlockPattern, Geometry, LinearReport, LinearSystem, Operator, SavedRows, Symmetry,
     SystemError,
 };
 
 /// Linear solutions of an increment for which contacts may be supposed to be closed.
-const MOST_SUPPOSED: usize = 20;
+const MOST_SUPPOSED: usize = 6;
 
-/// Slaves farther from their master than the nearest one by this part of their facets' size are not supposed to touch.
-pub(super) const NEAR: f64 = 0.1;
-/// Smaller parts, which are enough if as much is held: contacts that do not close bend a slender body.
-const NEARER: [f64; 2] = [1e-3, 1e-2];
+/// Slaves that are supposed to touch.
+pub(super) const NEAR: Nearest = Nearest::OfPass(0.1);
+/// Fewer, which are enough if as much is held: contacts that do not close bend a slender body.
+const NEARER: [Nearest; 4] =
+    [Nearest::OfBody(1e-3), Nearest::OfBody(1e-2), Nearest::OfPass(1e-3), Nearest::OfPass(1e-2)];
 
 /// K Δx = −imbalance.
 pub(super) struct Assembled {
@@ -50,11 +51,11 @@ impl LinearEffort {
                 self.iterations += iterations;
                 self.bytes = self.bytes.max(bytes);
             }
-            LinearReport::Instead { iterations } => {
+            LinearReport::Instead { iterations, .. } => {
                 self.iterations += iterations;
                 self.direct_instead += 1;
             }
-            LinearReport::Direct => {}
+            LinearReport::Direct { .. } => {}
         }
     }
 }
@@ -78,8 +79,10 @@ impl Problem {
         let is_stabilised = self.stabilisation > 0.0;
         // A motion that costs next to nothing goes anywhere long before its stiffness counts as singular: there is no trying without.
         let plain = if is_stabilised { None } else { Some(self.solve_system(&system, step)) };
+        // Far from the origin rounding of positions gives a loose body some stiffness.
         if let Some(solved) = plain
             && !matches!(solved, Err(SystemError::Singular { .. }))
+            && !(self.is_rounded && solved.is_ok() && !self.loose(&system, positions).is_empty())
         {
             self.stiffness = Some(system.matrix);
             return solved.map_err(|error| Failure::of_system(error, Vec::new()));
@@ -120,8 +123,8 @@ impl Problem {
         positions: &[[f64; 3]],
         loose: &[Loose],
     ) -> Result<(Assembled, Vec<Loose>), Failure> {
-        let closed = |own: &mut Self, near: f64| {
-            let closed = own.closed(time, positions, loose, near);
+        let closed = |own: &mut Self, nearest: Nearest| {
+            let closed = own.closed(time, positions, loose, nearest);
             own.contacts.recall(positions).map_err(Failure::Contact)?;
             let closed = closed?;
             let held = own.loose(&closed, positions);
@@ -130,9 +133,9 @@ impl Problem {
         let (mut all, least) = closed(self, NEAR)?;
         let fewest = motions(&least);
         if fewest < motions(loose) {
-            for near in NEARER {
+            for nearest in NEARER {
                 self.stiffness = Some(all.matrix);
-                let (some, held) = closed(self, near)?;
+                let (some, held) = closed(self, nearest)?;
                 if motions(&held) <= fewest {
                     return Ok((some, held));
                 }
@@ -150,7 +153,7 @@ impl Problem {
         time: f64,
         positions: &[[f64; 3]],
         loose: &[Loose],
-        near: f64,
+        nearest: Nearest,
     ) -> Result<Assembled, Failure> {
         let bodies = if loose.is_empty() {
             // What is free is no rigid motion: any contact may hold it.
@@ -163,7 +166,7 @@ impl Problem {
             let own = parts.filter_map(|(name, nodes)| Some((*of_name.get(name)?, &nodes[..])));
             Bodies::new(positions.len(), own)
         };
-        self.contacts.suppose(positions, &bodies, near).map_err(Failure::Contact)?;
+        self.contacts.suppose(positions, &bodies, nearest).map_err(Failure::Contact)?;
         let mut pushed = vec![0.0; self.contact.len()];
         self.contacts.add_internal_forces(&mut pushed).map_err(Failure::Contact)?;
         // Without the curvature of forces that are not there.
@@ -249,7 +252,12 @@ impl Problem {
         self.timing.linear += begin.elapsed();
         let report = solved?;
         self.linear.take(&report);
-        self.size = if let LinearReport::Iterative { size, .. } = report { Some(size) } else { None };
+        (self.size, self.is_rounded) = match report {
+            LinearReport::Iterative { size, .. } => (Some(size), false),
+            LinearReport::Direct { is_rounded } | LinearReport::Instead { is_rounded, .. } => {
+                (None, is_rounded)
+            }
+        };
         for (sum, part) in step.as_flattened_mut().iter_mut().zip(solution.as_flattened()) {
             *sum += part;
         }

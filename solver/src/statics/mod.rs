@@ -22,8 +22,11 @@
 //! of r, sizes without what [stiff contact takes up by itself](crate::system::Accuracy), by S. C. Eisenstat and H. F. Walker (SIAM Journal on Scientific Computing 17, 1996, 16–32), between bounds.
 //!
 //! **Line search**: if the slope Δx·r changes its sign over a full step and is not below 0.8 of what it was, s is sought by
-//! regula falsi between 0.005 and 1; of the steps tried the one with the smallest slope is taken. A slope that keeps its sign says
+//! regula falsi between 0.005 and 1, by halves where a loose body moves freely at first; of the steps tried the one with the smallest slope is taken. A slope that keeps its sign says
 //! that no shorter step is better. A Newton step that turns an element inside out is halved first, the linear prediction is not.
+//!
+//! **Softer penalties**: an increment that fails although contacts were supposed to close, since nothing else held a body, begins again with
+//! 10⁻⁴ of all penalties and goes on with stiffer ones, from equilibrium to equilibrium.
 //!
 //! **Cut-back**: an increment that does not converge within its iterations, diverges, turns an element inside out in spite of
 //! halved steps, goes where contact cannot be evaluated, or ends without contacts that carried force since their elements have no

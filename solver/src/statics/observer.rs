@@ -124,6 +124,8 @@ pub struct IncrementRecord {
     pub missed: usize,
     /// Linear solutions in which slaves near their masters were supposed to touch, as nothing else held a body.
     pub supposed: usize,
+    /// Whether contact was found with softer penalties first, as bodies came loose from it on the way.
+    pub softened: bool,
     /// Linear solutions in which nothing but the stabilisation held a part.
     pub stabilised: usize,
     /// Deepest penetration, length.

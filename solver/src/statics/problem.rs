@@ -96,6 +96,8 @@ pub struct Problem {
     pub(super) linear: LinearEffort,
     /// The size of the last right-hand side, if its solution was iterative.
     pub(super) size: Option<f64>,
+    /// Whether the residual of the last solution by factors is small only beside rounding.
+    pub(super) is_rounded: bool,
     /// Pairs of nodes that share an element.
     pub(super) links: BlockPattern,
     /// `None`: the pairing has changed, a new pattern is due.
@@ -168,6 +170,7 @@ impl Problem {
             linear: LinearEffort::default(),
             links,
             size: None,
+            is_rounded: false,
             stiffness: None,
             coupled: Vec::new(),
             timing: Timing::default(),

@@ -51,12 +51,12 @@ pub struct LinearSystem<'a> {
 #[non_exhaustive]
 #[allow(missing_docs)] // The names say what the fields are.
 pub enum LinearReport {
-    /// By factors.
-    Direct,
+    /// By factors; [`is_rounded`](super::SolveReport::is_rounded).
+    Direct { is_rounded: bool },
     /// By iteration. `size` is that of the right-hand side, see [`Accuracy`]; `bytes` is the memory of matrix, preconditioner and vectors.
     Iterative { iterations: usize, size: f64, bytes: usize },
     /// By factors, since the iterative solution did not converge within so many iterations.
-    Instead { iterations: usize },
+    Instead { iterations: usize, is_rounded: bool },
 }
 
 /// Solves systems directly or iteratively. What it keeps from one to the next is the symbolic factorisation, and whether factors were too
@@ -126,7 +126,7 @@ impl LinearSolver {
                 Err(SystemError::TooLarge { .. }) if self.choice == LinearSolverChoice::Auto => {
                     self.is_too_large = true;
                 }
-                solved => return solved.map(|()| LinearReport::Direct),
+                solved => return solved.map(|is_rounded| LinearReport::Direct { is_rounded }),
             }
         }
         let unsolved = match solve_iteratively(system, rhs, accuracy, solution) {
@@ -140,7 +140,7 @@ impl LinearSolver {
             return Err(unsolved);
         }
         match self.solve_directly(system, rhs, solution) {
-            Ok(()) => Ok(LinearReport::Instead { iterations }),
+            Ok(is_rounded) => Ok(LinearReport::Instead { iterations, is_rounded }),
             // A shorter increment may do with iterations.
             Err(SystemError::TooLarge { .. }) => {
                 self.is_too_large = true;
@@ -162,9 +162,9 @@ impl LinearSolver {
         system: &LinearSystem<'_>,
         rhs: &[[f64; 3]],
         solution: &mut Vec<[f64; 3]>,
-    ) -> Result<(), SystemError> {
+    ) -> Result<bool, SystemError> {
         self.direct.factorise(system.matrix, system.equations, system.symmetry)?;
-        self.direct.solve(rhs, solution).map(drop)
+        self.direct.solve(rhs, solution).map(|report| report.is_rounded())
     }
 }
 

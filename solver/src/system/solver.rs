@@ -51,6 +51,13 @@ pub struct SolveReport {
     pub method: Method,
 }
 
+impl SolveReport {
+    /// Whether the residual is small only beside rounding of K x: the matrix may be of a loose body, far from the origin.
+    pub fn is_rounded(&self) -> bool {
+        !(self.residual <= ACCEPTABLE)
+    }
+}
+
 /// Factorises matrices and solves systems with them, one after the other: what depends on the pattern only is kept while
 /// pattern and equations stay the same. With a given number of threads results are the same always.
 #[derive(Default)]

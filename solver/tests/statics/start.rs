@@ -686,3 +686,95 @@ fn friction_with_a_force_holds() {
     let centre = state.positions[25..].iter().map(|x| x[0]).sum::<f64>() / 27.0;
     assert!((centre - 1.0).abs() < 1e-3, "{centre}");
 }
+
+/// Half of a strip of thickness 1 under its load, on a roller at nine tenths of its half.
+fn on_a_roller(length: f64, cells: usize, integration: &str) -> String {
+    format!(
+        r#"
+[materials.steel]
+young = 210000.0
+poisson = 0.3
+[parts.strip]
+shape = "box"
+size = [{:?}, 2.0, 1.0]
+divisions = [{cells}, 1, 1]
+element = "hex8i"
+material = "steel"
+[parts.roller]
+shape = "rigid-cylinder"
+axis = "y"
+radius = 5.0
+angles = [-90.0, 90.0]
+length = 4.0
+divisions = [24, 1]
+translate = [{:?}, -1.0, -5.0]
+[[boundary]]
+nodes = "strip.x-"
+fix = ["x"]
+[[boundary]]
+nodes = "strip.y-"
+fix = ["y"]
+[[boundary]]
+nodes = "roller"
+fix = ["x", "y", "z"]
+[[pressure]]
+surface = "strip.z+"
+value = {:?}
+[[interface]]
+name = "support"
+master = "roller"
+slave = "strip.z-"
+{integration}
+"#,
+        0.5 * length,
+        0.45 * length,
+        pressure_on(length),
+    )
+}
+
+/// It bends a strip by about a fiftieth of its length.
+fn pressure_on(length: f64) -> f64 {
+    0.02 * length * 384.0 * 210_000.0 / 12.0 / (5.0 * length.powi(4))
+}
+
+/// The penetration by default is a ten-thousandth of what a slender strip bends by: gaps that are not linear open all contact.
+#[test]
+fn slender_strips_on_a_line_bend_as_beams_do() {
+    let faces = "integration = \"faces\"";
+    for (length, cells, integration) in [
+        (100.0, 50, faces),
+        (100.0, 50, ""),
+        (200.0, 100, faces),
+        (200.0, 100, ""),
+        (1000.0, 250, faces),
+        (1000.0, 250, ""),
+    ] {
+        let (notes, state, _) = run(&on_a_roller(length, cells, integration), "[time]\nincrement = 0.25");
+        assert!(notes.cuts.is_empty(), "{length} {integration}: {:?}", notes.cuts);
+        let iterations: usize = notes.increments.iter().map(|record| record.iterations).sum();
+        assert!(iterations <= 36, "{length} {integration}: {iterations}");
+        let last = notes.increments.last().unwrap();
+        let load = pressure_on(length) * length;
+        assert!((last.contacts[0].force[2] / load - 1.0).abs() < 1e-3, "{:?}", last.contacts[0].force);
+        // Of a beam with free ends on two supports.
+        let (span, end, bending) = (0.9 * length, 0.05 * length, 2.0 * 210_000.0 / 12.0);
+        let theory = 2.0 * pressure_on(length) / bending
+            * (5.0 * span.powi(4) / 384.0 - end.powi(2) * span.powi(2) / 16.0);
+        let (middle, support) = (state.positions[0], state.positions[cells * 9 / 10]);
+        assert!(
+            (support[2] - middle[2]) / theory > 0.98 && (support[2] - middle[2]) / theory < 1.03,
+            "{length} {integration}: {middle:?} {support:?} {theory}"
+        );
+    }
+}
+
+/// No row of nodes is above the roller.
+#[test]
+fn contact_that_opens_again_and_again_is_found_with_softer_penalties() {
+    let (notes, ..) = run(&on_a_roller(500.0, 125, "integration = \"faces\""), "[time]\nincrement = 0.1");
+    assert!(notes.cuts.is_empty(), "{:?}", notes.cuts);
+    assert!(notes.increments.iter().any(|record| record.softened));
+    let last = notes.increments.last().unwrap();
+    let load = pressure_on(500.0) * 500.0;
+    assert!((last.contacts[0].force[2] / load - 1.0).abs() < 1e-3, "{:?}", last.contacts[0].force);
+}

@@ -58,8 +58,8 @@ impl Penetration {
         if *slaves == 0 {
             return format!(
                 "interface `{}`: up to {points} points of the slave's faces lay deeper below the master than 5 % of the faces' size, by up to \
-                 {:.1} %, although the average gaps of their nodes are less: the faces are coarse beside the master's curvature, and contact \
-                 begins late there; smaller ones, exchanged roles, or integration = \"nodes\" are more accurate",
+                 {:.1} %, although the average gaps of their nodes are less: the faces are coarse beside the master's curvature, so that \
+                 contact begins late and forces are inaccurate; smaller faces, exchanged roles, or integration = \"nodes\" help",
                 shown(interface),
                 100.0 * part_of_points
             );

@@ -15,7 +15,7 @@ use crate::distinct::distinct;
 use crate::statics::{IncrementRecord, IterationRecord, Problem};
 
 /// Columns of `history.csv` before those of interactions and supports.
-const COLUMNS: &str = "increment,time,length,iterations,augmentations,short,rounded,active,lost,missed,unanchored,supposed,stabilised,linear_iterations,direct_instead,max_penetration,strain_energy,wall_s";
+const COLUMNS: &str = "increment,time,length,iterations,augmentations,short,rounded,active,lost,missed,unanchored,supposed,softened,unstable,stabilised,linear_iterations,direct_instead,max_penetration,strain_energy,wall_s";
 /// Columns of `iterations.csv`.
 pub(super) const ITERATION_COLUMNS: &str =
     "increment,iteration,time,residual,relative,excess,allowed,active,step";
@@ -95,7 +95,7 @@ pub(super) fn header(problem: &Problem) -> String {
 /// The line of an increment.
 pub(super) fn row(record: &IncrementRecord, problem: &Problem, wall_s: f64) -> String {
     let mut line = format!(
-        "{},{:?},{:?},{},{},{},{},{},{},{},{},{},{},{},{},{:?},{:?},{:?}",
+        "{},{:?},{:?},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{:?},{:?},{:?}",
         record.number,
         record.time,
         record.length,
@@ -108,6 +108,8 @@ pub(super) fn row(record: &IncrementRecord, problem: &Problem, wall_s: f64) -> S
         record.missed,
         record.unanchored(),
         record.supposed,
+        u8::from(record.softened),
+        u8::from(record.is_unstable()),
         record.stabilised,
         record.linear.iterations,
         record.linear.direct_instead,

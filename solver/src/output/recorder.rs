@@ -17,12 +17,14 @@ use crate::statics::{
 };
 
 /// Columns of the history whose sums are in the summary.
-const SUMS: [&str; 8] = [
+const SUMS: [&str; 10] = [
     "short",
     "lost",
     "missed",
     "unanchored",
     "supposed",
+    "softened",
+    "unstable",
     "stabilised",
     "linear_iterations",
     "direct_instead",
@@ -301,6 +303,8 @@ impl<'a> Recorder<'a> {
             summary.points_missed,
             summary.slaves_unanchored,
             summary.solutions_supposed,
+            summary.increments_softened,
+            summary.increments_unstable,
             summary.solutions_stabilised,
             summary.linear_iterations,
             summary.solutions_direct_instead,
@@ -411,6 +415,8 @@ impl<'a> Recorder<'a> {
             record.missed,
             record.unanchored(),
             record.supposed,
+            usize::from(record.softened),
+            usize::from(record.is_unstable()),
             record.stabilised,
             record.linear.iterations,
             record.linear.direct_instead,

@@ -52,6 +52,12 @@ pub struct Summary {
     /// Linear solutions in which slaves near their masters were taken to touch, over all increments.
     #[serde(default)]
     pub solutions_supposed: usize,
+    /// Increments whose contact was found with softer penalties first, as a body came loose from it on the way.
+    #[serde(default)]
+    pub increments_softened: usize,
+    /// Increments that ended with a stiffness that has negative eigenvalues.
+    #[serde(default)]
+    pub increments_unstable: usize,
     /// Linear solutions in which nothing but the stabilisation held a part, over all increments.
     #[serde(default)]
     pub solutions_stabilised: usize,
@@ -229,6 +235,13 @@ impl Summary {
                 format!(
                     "of {increments} increments ended with a residual above what the tolerances allow, as rounding of the positions explains \
                      the rest: a model nearer to the origin, or a part less stiff, has less of it"
+                ),
+            ),
+            (
+                self.increments_unstable,
+                format!(
+                    "of {increments} increments ended with a stiffness that has negative eigenvalues: equilibrium is not stable there, as \
+                     beyond buckling, or one of several"
                 ),
             ),
             (

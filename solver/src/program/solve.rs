@@ -292,6 +292,12 @@ impl Progress {
                 "  note: a body came loose from its contact on the way: contact was found with softer penalties first",
             );
         }
+        if let Some(count) = record.negative.filter(|_| record.is_unstable()) {
+            say(&format!(
+                "  note: the stiffness has {}: equilibrium is not stable",
+                counted(count, "negative eigenvalue")
+            ));
+        }
         if record.stabilised > 0 {
             say(&format!(
                 "  note: nothing but the stabilisation holds a body in {}",

@@ -522,6 +522,7 @@ impl<'a> Increment<'a> {
             missed: problem.contacts().missed(),
             supposed: problem.supposed,
             softened: self.is_softened,
+            negative: problem.negative,
             stabilised: problem.stabilised,
             linear: problem.linear,
             max_penetration: problem.contacts().max_penetration(),

@@ -252,11 +252,10 @@ impl Problem {
         self.timing.linear += begin.elapsed();
         let report = solved?;
         self.linear.take(&report);
-        (self.size, self.is_rounded) = match report {
-            LinearReport::Iterative { size, .. } => (Some(size), false),
-            LinearReport::Direct { is_rounded } | LinearReport::Instead { is_rounded, .. } => {
-                (None, is_rounded)
-            }
+        (self.size, self.is_rounded, self.negative) = match report {
+            LinearReport::Iterative { size, .. } => (Some(size), false, None),
+            LinearReport::Instead { is_rounded, .. } => (None, is_rounded, None),
+            LinearReport::Direct { is_rounded, negative } => (None, is_rounded, negative),
         };
         for (sum, part) in step.as_flattened_mut().iter_mut().zip(solution.as_flattened()) {
             *sum += part;

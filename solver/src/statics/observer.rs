@@ -126,6 +126,9 @@ pub struct IncrementRecord {
     pub supposed: usize,
     /// Whether contact was found with softer penalties first, as bodies came loose from it on the way.
     pub softened: bool,
+    /// Negative eigenvalues of the stiffness in the last linear solution, if it was symmetric and solved by factors: equilibrium is not
+    /// stable there.
+    pub negative: Option<usize>,
     /// Linear solutions in which nothing but the stabilisation held a part.
     pub stabilised: usize,
     /// Deepest penetration, length.
@@ -148,6 +151,11 @@ impl IncrementRecord {
     /// Whether it ended with a residual that is small enough only by rounding of the positions.
     pub fn is_rounded(&self) -> bool {
         self.history.last().is_some_and(IterationRecord::is_rounded)
+    }
+
+    /// Whether equilibrium is known not to be stable.
+    pub fn is_unstable(&self) -> bool {
+        self.negative.is_some_and(|count| count > 0)
     }
 
     /// Slaves that carry force without friction although their interaction has it: they had no gap at the end of the increment before.

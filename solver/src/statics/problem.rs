@@ -98,6 +98,8 @@ pub struct Problem {
     pub(super) size: Option<f64>,
     /// Whether the residual of the last solution by factors is small only beside rounding.
     pub(super) is_rounded: bool,
+    /// Negative eigenvalues of the last stiffness, if its factors tell.
+    pub(super) negative: Option<usize>,
     /// Pairs of nodes that share an element.
     pub(super) links: BlockPattern,
     /// `None`: the pairing has changed, a new pattern is due.
@@ -171,6 +173,7 @@ impl Problem {
             links,
             size: None,
             is_rounded: false,
+            negative: None,
             stiffness: None,
             coupled: Vec::new(),
             timing: Timing::default(),

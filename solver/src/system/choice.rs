@@ -3,7 +3,7 @@
 use super::work::multiplications_per_entry;
 use super::{
     Accuracy, BlockMatrix, BlockPattern, DirectSolver, Equations, Geometry, IterativeReport, Operator,
-    Symmetry, SystemError, solve_iteratively,
+    SolveReport, Symmetry, SystemError, solve_iteratively,
 };
 use crate::named::named;
 
@@ -51,8 +51,8 @@ pub struct LinearSystem<'a> {
 #[non_exhaustive]
 #[allow(missing_docs)] // The names say what the fields are.
 pub enum LinearReport {
-    /// By factors; [`is_rounded`](super::SolveReport::is_rounded).
-    Direct { is_rounded: bool },
+    /// By factors, as [`SolveReport`] tells.
+    Direct { is_rounded: bool, negative: Option<usize> },
     /// By iteration. `size` is that of the right-hand side, see [`Accuracy`]; `bytes` is the memory of matrix, preconditioner and vectors.
     Iterative { iterations: usize, size: f64, bytes: usize },
     /// By factors, since the iterative solution did not converge within so many iterations.
@@ -126,7 +126,12 @@ impl LinearSolver {
                 Err(SystemError::TooLarge { .. }) if self.choice == LinearSolverChoice::Auto => {
                     self.is_too_large = true;
                 }
-                solved => return solved.map(|is_rounded| LinearReport::Direct { is_rounded }),
+                solved => {
+                    return solved.map(|report| LinearReport::Direct {
+                        is_rounded: report.is_rounded(),
+                        negative: report.negative,
+                    });
+                }
             }
         }
         let unsolved = match solve_iteratively(system, rhs, accuracy, solution) {
@@ -140,7 +145,7 @@ impl LinearSolver {
             return Err(unsolved);
         }
         match self.solve_directly(system, rhs, solution) {
-            Ok(is_rounded) => Ok(LinearReport::Instead { iterations, is_rounded }),
+            Ok(report) => Ok(LinearReport::Instead { iterations, is_rounded: report.is_rounded() }),
             // A shorter increment may do with iterations.
             Err(SystemError::TooLarge { .. }) => {
                 self.is_too_large = true;
@@ -162,9 +167,9 @@ impl LinearSolver {
         system: &LinearSystem<'_>,
         rhs: &[[f64; 3]],
         solution: &mut Vec<[f64; 3]>,
-    ) -> Result<bool, SystemError> {
+    ) -> Result<SolveReport, SystemError> {
         self.direct.factorise(system.matrix, system.equations, system.symmetry)?;
-        self.direct.solve(rhs, solution).map(|report| report.is_rounded())
+        self.direct.solve(rhs, solution)
     }
 }
 

@@ -28,6 +28,17 @@ pub(super) struct SymmetricFactor {
     workspace: Workspace,
 }
 
+/// A block of B.
+enum Pivot {
+    One(f64),
+    /// The determinant is that of the block over its largest entry.
+    Two {
+        first: f64,
+        determinant: f64,
+        largest: f64,
+    },
+}
+
 /// P A Q = L U with partial pivoting.
 pub(super) struct GeneralFactor {
     symbolic: SymbolicLu<u32>,
@@ -99,9 +110,42 @@ impl SymmetricFactor {
     /// The smallest ratio of a pivot to a reference for its row, such as the matrix's diagonal entry; 0 if one is not finite. Rounding makes
     /// it the machine's precision where it should be zero. Of a pivot of two rows the smaller eigenvalue is meant, about.
     pub fn smallest_pivot(&self, references: &[f64]) -> f64 {
-        let SymbolicCholeskyRaw::Supernodal(supernodes) = self.symbolic.raw() else { return 0.0 };
         let order = self.symbolic.perm();
+        let reference_at = |column: usize| {
+            let ordered = self.forward[column] as usize;
+            let original = order.map_or(ordered, |order| order.arrays().0[ordered] as usize);
+            references[original].abs()
+        };
         let mut smallest = f64::INFINITY;
+        let is_known = self.for_each_pivot(|column, pivot| {
+            let (pivot, reference) = match pivot {
+                Pivot::One(pivot) => (pivot.abs(), reference_at(column)),
+                Pivot::Two { determinant, largest, .. } => {
+                    (determinant.abs() * largest, reference_at(column).max(reference_at(column + 1)))
+                }
+            };
+            let ratio = pivot / reference;
+            smallest = if ratio.is_nan() || pivot.is_infinite() { 0.0 } else { smallest.min(ratio) };
+        });
+        if is_known { smallest } else { 0.0 }
+    }
+
+    /// How many eigenvalues are negative: by Sylvester's law of inertia as many as of B.
+    pub fn negative(&self) -> Option<usize> {
+        let mut count = 0;
+        let is_known = self.for_each_pivot(|_, pivot| {
+            count += match pivot {
+                Pivot::One(pivot) => usize::from(pivot < 0.0),
+                Pivot::Two { determinant, .. } if determinant < 0.0 => 1,
+                Pivot::Two { first, .. } => 2 * usize::from(first < 0.0),
+            };
+        });
+        is_known.then_some(count)
+    }
+
+    /// Hands over the pivots with their first columns; whether they are known, which those of diagonal matrices are not.
+    fn for_each_pivot(&self, mut f: impl FnMut(usize, Pivot)) -> bool {
+        let SymbolicCholeskyRaw::Supernodal(supernodes) = self.symbolic.raw() else { return false };
         for s in 0..supernodes.n_supernodes() {
             let begin = supernodes.supernode_begin()[s] as usize;
             let end = supernodes.supernode_end()[s] as usize;
@@ -109,28 +153,22 @@ impl SymmetricFactor {
             let entries = supernodes.col_ptr_for_val()[s + 1] as usize - first;
             let rows = entries.checked_div(end - begin).unwrap_or(0);
             let pivot_at = |column: usize| self.values[first + (column - begin) * (rows + 1)];
-            let reference_at = |column: usize| {
-                let ordered = self.forward[column] as usize;
-                let original = order.map_or(ordered, |order| order.arrays().0[ordered] as usize);
-                references[original].abs()
-            };
             let mut column = begin;
             while column < end {
-                let (pivot, reference, width) = match self.subdiagonal[column] {
-                    0.0 => (pivot_at(column).abs(), reference_at(column), 1),
+                let (pivot, width) = match self.subdiagonal[column] {
+                    0.0 => (Pivot::One(pivot_at(column)), 1),
                     beside => {
                         let (x, y) = (pivot_at(column), pivot_at(column + 1));
                         let largest = x.abs().max(y.abs()).max(beside.abs());
                         let determinant = (x / largest) * (y / largest) - (beside / largest).powi(2);
-                        (determinant.abs() * largest, reference_at(column).max(reference_at(column + 1)), 2)
+                        (Pivot::Two { first: x, determinant, largest }, 2)
                     }
                 };
-                let ratio = pivot / reference;
-                smallest = if ratio.is_nan() || pivot.is_infinite() { 0.0 } else { smallest.min(ratio) };
+                f(column, pivot);
                 column += width;
             }
         }
-        smallest
+        true
     }
 
     pub fn solve(&mut self, x: &mut [f64], par: Par) -> Result<(), FaerError> {

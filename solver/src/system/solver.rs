@@ -49,6 +49,8 @@ pub struct SolveReport {
     pub residual: f64,
     /// The factorisation that was used: General for a symmetric matrix if the other was not good enough.
     pub method: Method,
+    /// Eigenvalues of the matrix below 0; `None` where only general factors are known.
+    pub negative: Option<usize>,
 }
 
 impl SolveReport {
@@ -163,7 +165,7 @@ impl DirectSolver {
         let Some(mut method) = self.current else { return Err(SystemError::NotFactorised) };
         if self.rhs.is_empty() {
             structure.equations.scatter(&[], solution);
-            return Ok(SolveReport { residual: 0.0, method });
+            return Ok(SolveReport { residual: 0.0, method, negative: Some(0) });
         }
         self.rhs.iter_mut().zip(&self.scale).for_each(|(b, d)| *b *= d);
         let mut report = self.solve_refined(method)?;
@@ -247,7 +249,7 @@ impl DirectSolver {
         self.solution.clear();
         self.solution.resize(self.rhs.len(), 0.0);
         if scale == 0.0 {
-            return Ok(SolveReport { residual: 0.0, method });
+            return Ok(SolveReport { residual: 0.0, method, negative: self.negative(method) });
         }
         let mut best = f64::INFINITY;
         self.residual.clone_from(&self.rhs);
@@ -273,7 +275,14 @@ impl DirectSolver {
                 break;
             }
         }
-        Ok(SolveReport { residual: best, method })
+        Ok(SolveReport { residual: best, method, negative: self.negative(method) })
+    }
+
+    fn negative(&self, method: Method) -> Option<usize> {
+        match method {
+            Method::Symmetric => self.symmetric.as_ref().and_then(SymmetricFactor::negative),
+            Method::General => None,
+        }
     }
 
     /// Whether a relative residual is one of a solution.

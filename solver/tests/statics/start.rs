@@ -778,3 +778,24 @@ fn contact_that_opens_again_and_again_is_found_with_softer_penalties() {
     let load = pressure_on(500.0) * 500.0;
     assert!((last.contacts[0].force[2] / load - 1.0).abs() < 1e-3, "{:?}", last.contacts[0].force);
 }
+
+/// Euler's column whose ends do not turn, free to move sideways above: π² E I / L² in two directions.
+#[test]
+fn a_column_under_more_than_its_critical_load_is_told_to_be_unstable() {
+    let column = |shortening: f64| {
+        format!(
+            "[materials.steel]\nyoung = 210000.0\npoisson = 0.0\n[parts.column]\nshape = \"box\"\nsize = [1.0, 1.0, 50.0]\n\
+             divisions = [1, 1, 50]\nelement = \"hex8i\"\nmaterial = \"steel\"\n[[boundary]]\nnodes = \"column.z-\"\n\
+             fix = [\"x\", \"y\", \"z\"]\n[[boundary]]\nnodes = \"column.z+\"\ntranslate = [\"free\", \"free\", {:?}]\n",
+            -shortening
+        )
+    };
+    let critical = std::f64::consts::PI.powi(2) / 12.0 / 50.0;
+    for (part, negative) in [(0.97, 0), (1.04, 2), (3.8, 2), (4.2, 4)] {
+        // The last increment's stiffness is that at its beginning.
+        let time = "[time]\nincrement = 0.01";
+        let (notes, ..) = run(&column(part * critical), time);
+        let last = notes.increments.last().unwrap();
+        assert_eq!((last.negative, last.is_unstable()), (Some(negative), negative > 0), "{part}");
+    }
+}

@@ -72,6 +72,27 @@ fn a_plane_where_nothing_ends_is_named() {
     assert!(error.contains("behind symmetry plane 0, seen from the master"), "{error}");
 }
 
+/// Mirror images would pull such nodes apart.
+#[test]
+fn a_plane_that_nodes_may_leave_is_named() {
+    let free = |side: &str, axis: usize| {
+        let mut deck = stacked(SOFT, side, 0.0);
+        deck.interfaces[0].symmetry = vec![SymmetryPlane::across(axis, [0.0; 3])];
+        let found = proposed(&deck).remove(0);
+        let told =
+            found.warnings().iter().filter(|warning| warning.contains("free to move out of it")).count();
+        assert_eq!(told, found.free_planes.len());
+        found.free_planes
+    };
+    // Five nodes of the floor's border, three of the block's.
+    assert_eq!(free("", 0), [("\"x\"".to_owned(), 8)]);
+    assert_eq!(free("[[boundary]]\nnodes = \"block.x-\"\nfix = [\"x\"]\n", 0), [("\"x\"".to_owned(), 5)]);
+    let both = "[[boundary]]\nnodes = [\"floor.x-\", \"block.x-\"]\nfix = [\"x\"]\n";
+    assert!(free(both, 0).is_empty());
+    // Others than those along the axis hold nothing.
+    assert_eq!(free(both, 1), [("\"y\"".to_owned(), 7)]);
+}
+
 /// A floor that deforms.
 const SOFT: &str = "shape = \"box\"\nsize = [3.0, 2.0, 1.0]\ndivisions = [6, 4, 2]\nmaterial = \"soft\"";
 

@@ -12,7 +12,7 @@ mod lines;
 mod sets;
 mod surfaces;
 
-use std::collections::{BTreeMap, BTreeSet, HashMap, HashSet};
+use std::collections::{BTreeMap, HashMap, HashSet};
 
 use crate::builder::Builder;
 use crate::element::{ElementKind, MOST_NODES};
@@ -38,7 +38,7 @@ pub(crate) fn read(bytes: &[u8], instance: Option<&str>) -> Result<Mesh, Fault> 
         bystanders: Bystanders::default(),
         unread: Vec::new(),
         stiff: Vec::new(),
-        sections: BTreeSet::new(),
+        sections: Vec::new(),
         unread_index: HashMap::new(),
         constraints: Vec::new(),
     };
@@ -73,8 +73,8 @@ struct Deck<'a> {
     unread: Vec<UnreadElement>,
     /// Numbers of trusses, beams, shells and membranes, with their types.
     stiff: Vec<(u64, String)>,
-    /// Element sets that have a section, in lower case: in Abaqus an element without one carries nothing.
-    sections: BTreeSet<String>,
+    /// Element sets that sections name: in Abaqus an element without one carries nothing.
+    sections: Vec<(Level, String)>,
     /// Their places, by tag.
     unread_index: HashMap<u64, usize>,
     /// Keywords of constraints, where they are, and the sets that they name.
@@ -130,7 +130,7 @@ impl Deck<'_> {
                     let elements = keyword.value("ELSET").map(str::to_owned);
                     self.constraints.push((name, keyword.at, elements));
                 } else if unspaced.ends_with("SECTION") {
-                    self.sections.extend(keyword.value("ELSET").map(str::to_lowercase));
+                    self.sections.extend(keyword.value("ELSET").map(|name| (self.level(), name.to_owned())));
                 }
                 self.lines.skip_data();
                 Ok(())
@@ -428,12 +428,10 @@ impl Deck<'_> {
         };
         let mut public_node_sets = node_sets.names.publish(sorted(nodes_in), &owner);
         surfaces.merge_node_surfaces(&mut public_node_sets, node_surfaces, &owner)?;
+        let numbers = self.sections.iter().filter_map(|(level, name)| element_sets.names.find(*level, name));
+        let with_section: HashSet<usize> =
+            numbers.flat_map(|number| elements_in[number].indices.iter().copied()).collect();
         let element_sets = element_sets.names.publish(sorted(elements_in), &owner);
-        let with_section: HashSet<usize> = element_sets
-            .iter()
-            .filter(|(name, _)| self.sections.contains(&name.to_lowercase()))
-            .flat_map(|(_, elements)| elements.iter().copied())
-            .collect();
         let stiff =
             self.stiff.into_iter().filter_map(|(tag, kind)| Some((builder.element_index(tag)?, kind)));
         let stiff = stiff.filter(|(index, _)| with_section.contains(index)).collect();

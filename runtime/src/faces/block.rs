@@ -14,6 +14,9 @@ use crate::surface::{Facet, Image, Shape};
 use crate::vector::Vector3;
 use crate::{Mode, Point};
 
+/// A block's memory is at most so many times what it needs.
+const MOST_SPARE: usize = 4;
+
 /// What a face needs to know of itself.
 pub struct FaceView<'a> {
     pub facet: &'a Facet,
@@ -240,7 +243,12 @@ impl FaceBlock {
         if mode >= Mode::Hessian {
             directions = memory.lock().unwrap_or_else(PoisonError::into_inner).pop().unwrap_or_default();
             directions.clear();
-            reserve(&mut directions, rows.saturating_mul(columns))?;
+            let count = rows.saturating_mul(columns);
+            // Blocks change hands: small ones must not keep the memory of large ones, until all have it.
+            if directions.capacity() > MOST_SPARE * count {
+                directions = Vec::new();
+            }
+            reserve(&mut directions, count)?;
             directions.resize(rows * columns, 0.0);
         }
         let mut block =

@@ -33,8 +33,8 @@ impl Nodal {
             return Ok(None);
         }
         let extents = Extents::of(index);
+        Symmetry::check_model(planes, index.positions(), extents.facet)?;
         let symmetry = Symmetry::of_surface(planes, &extents)?;
-        Symmetry::check_sides(planes, index.positions(), extents.facet)?;
         let creases = Creases::new(index, options.feature_angle_degrees.to_radians(), &symmetry);
         let domains = NodalDomains::new(index, &creases, &symmetry, weight, search.basis);
         Ok(Some(Self { domains, symmetry, creases, extents }))
@@ -68,10 +68,8 @@ pub fn check_planes(
     if planes.is_empty() {
         return Ok(());
     }
-    let Extents { facet, low, high, .. } = Extents::of(index);
-    Symmetry::of_planes(planes, facet)?;
-    Symmetry::check_angles(planes, [low, high])?;
-    Symmetry::check_sides(planes, index.positions(), facet)?;
+    let facet = Extents::of(index).facet;
+    Symmetry::check_model(planes, index.positions(), facet)?;
     let points = slaves.iter().map(|&node| positions[node]);
     match Symmetry::farthest_behind(planes, index.positions(), facet, points) {
         None => Ok(()),

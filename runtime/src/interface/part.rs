@@ -266,8 +266,8 @@ impl SurfacePart {
             ends.iter().any(|&place| complete[place as usize])
         };
         let surface = MasterSurface::part(positions.len(), corners.clone(), is_border)?;
+        Symmetry::check_model(planes, &positions, part.extents.facet)?;
         let symmetry = Symmetry::of_surface(planes, &part.extents)?;
-        Symmetry::check_sides(planes, &positions, part.extents.facet)?;
         let index = surface.at(&positions)?;
         let creases = Creases::new(&index, options.feature_angle_degrees.to_radians(), &symmetry);
         let sheet_nodes = SheetNodes::new(&index, &creases, &symmetry, Some(&complete));

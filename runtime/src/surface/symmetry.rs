@@ -17,9 +17,6 @@ const SAME_IMAGE: f64 = 1e-9;
 const BEHIND: f64 = 0.01;
 /// Planes may be as far as this off 180° over a whole number, radians.
 const ANGLE_TOLERANCE: f64 = 1e-6;
-/// A plane within this part of a box from its middle says nothing of the side that a model in the box is on: that of a wedge is cut along its
-/// diagonal.
-const UNDECIDED: f64 = 1e-3;
 /// A unit normal may be as long as this off 1.
 const UNIT_TOLERANCE: f64 = 1e-9;
 
@@ -115,11 +112,10 @@ impl Symmetry {
     /// The images that come within `reach` of the model, all of which lies in the box from `low` to `high`.
     ///
     /// # Errors
-    /// [`SurfaceError::InvalidSymmetry`] for a plane whose normal is no unit vector; [`SurfaceError::SymmetryAngle`] for planes that are not
-    /// parallel and do not meet at 180° over a whole number; [`SurfaceError::TooManyImages`] for such as are too near to one another.
+    /// [`SurfaceError::InvalidSymmetry`] for a plane whose normal is no unit vector; [`SurfaceError::TooManyImages`] for planes that are too
+    /// near to one another.
     pub fn new(planes: &[SymmetryPlane], reach: f64, [low, high]: [Point; 2]) -> Result<Self, SurfaceError> {
         check(planes)?;
-        Self::check_angles(planes, [low, high])?;
         let interval = |plane: &SymmetryPlane, image: &Image| plane.interval(image, [low, high]);
         // Seen along the normal of any plane, the image has to be near the model.
         let is_near = |image: &Image| {
@@ -158,20 +154,28 @@ impl Symmetry {
         Self::new(planes, IMAGES_REACH * extents.facet, [extents.low, extents.high])
     }
 
-    /// Refuses planes that do not meet at 180° over a whole number in the model, which lies in the box from `low` to `high`: a mirror image of
-    /// the model would lie in it.
+    /// Refuses what cannot be planes of symmetry of a surface with these nodes, whose largest facet has the extent `facet`: normals that are no
+    /// unit vectors, nodes on both sides of a plane, and planes that do not meet at 180° over a whole number on the side of the nodes. Images
+    /// would lie among the nodes.
     ///
     /// # Errors
-    /// [`SurfaceError::SymmetryAngle`].
-    pub fn check_angles(planes: &[SymmetryPlane], bounds: [Point; 2]) -> Result<(), SurfaceError> {
-        let inward = |plane: &SymmetryPlane| {
-            let (low, high) = plane.interval(&Image::IDENTITY, bounds);
-            let normal = Vector3::from(plane.normal) * if low + high < 0.0 { -1.0 } else { 1.0 };
-            (normal, (low + high).abs() > UNDECIDED * (high - low))
-        };
-        let normals: Vec<(Vector3, bool)> = planes.iter().map(inward).collect();
-        for (second, (n, is_known)) in normals.iter().enumerate() {
-            for (first, (m, is_other_known)) in normals[..second].iter().enumerate() {
+    /// [`SurfaceError::InvalidSymmetry`], [`SurfaceError::CutBySymmetry`], [`SurfaceError::SymmetryAngle`].
+    pub fn check_model(planes: &[SymmetryPlane], nodes: &[Point], facet: f64) -> Result<(), SurfaceError> {
+        check(planes)?;
+        // Where all nodes lie in a plane, either side may be that of the model.
+        let mut sides: Vec<(Vector3, bool)> = Vec::new();
+        for (plane, symmetry) in planes.iter().enumerate() {
+            let heights = nodes.iter().map(|&x| symmetry.distance(x));
+            let (low, high) =
+                heights.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| (low.min(x), high.max(x)));
+            if low.abs().min(high.abs()) > BEHIND * facet && low < 0.0 && high > 0.0 {
+                return Err(SurfaceError::CutBySymmetry { plane, low, high });
+            }
+            let side = if low + high < 0.0 { -1.0 } else { 1.0 };
+            sides.push((Vector3::from(symmetry.normal) * side, low.abs().max(high.abs()) > BEHIND * facet));
+        }
+        for (second, (n, is_known)) in sides.iter().enumerate() {
+            for (first, (m, is_other_known)) in sides[..second].iter().enumerate() {
                 let angle = m.cross(n).norm().atan2(-m.dot(n));
                 let is_one = |angle: f64| (angle - PI / (PI / angle).round()).abs() <= ANGLE_TOLERANCE;
                 let is_parallel = angle.min(PI - angle) <= ANGLE_TOLERANCE;
@@ -180,22 +184,6 @@ impl Symmetry {
                     let (planes, degrees) = ([first, second], angle.to_degrees());
                     return Err(SurfaceError::SymmetryAngle { planes, degrees });
                 }
-            }
-        }
-        Ok(())
-    }
-
-    /// Refuses planes with nodes on both sides: images would lie among them.
-    ///
-    /// # Errors
-    /// [`SurfaceError::CutBySymmetry`].
-    pub fn check_sides(planes: &[SymmetryPlane], nodes: &[Point], facet: f64) -> Result<(), SurfaceError> {
-        for (plane, symmetry) in planes.iter().enumerate() {
-            let heights = nodes.iter().map(|&x| symmetry.distance(x));
-            let (low, high) =
-                heights.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| (low.min(x), high.max(x)));
-            if low.abs().min(high.abs()) > BEHIND * facet && low < 0.0 && high > 0.0 {
-                return Err(SurfaceError::CutBySymmetry { plane, low, high });
             }
         }
         Ok(())
@@ -377,7 +365,9 @@ mod tests {
             let other = SymmetryPlane { point: [0.0; 3], normal: [s, -c, 0.0] };
             let (s, c) = (0.5 * degrees).to_radians().sin_cos();
             let model = [[5.0 * c, 5.0 * s, 0.0], [5.0 * c + 0.1, 5.0 * s + 0.1, 1.0]];
-            Symmetry::new(&[SymmetryPlane::across(1, [0.0; 3]), other], 20.0, model)
+            let planes = [SymmetryPlane::across(1, [0.0; 3]), other];
+            Symmetry::check_model(&planes, &model, 1.0)?;
+            Symmetry::new(&planes, 20.0, model)
         };
         for parts in 2..20 {
             let symmetry = at(180.0 / f64::from(parts)).unwrap();
@@ -394,21 +384,32 @@ mod tests {
         let flipped = |k: f64| SymmetryPlane { point: [0.0; 3], normal: [k, 0.0, 0.0] };
         let model = [[1.0, 1.0, 0.0], [2.0; 3]];
         let planes = [flipped(-1.0), SymmetryPlane { point: [0.0; 3], normal: [-0.6, 0.8, 0.0] }];
-        let error = Symmetry::new(&planes, 1.0, model).unwrap_err();
+        let error = Symmetry::check_model(&planes, &model, 1.0).unwrap_err();
         assert!(error.to_string().contains("53.13"), "{error}");
-        // A wedge fills half of its box, and its oblique plane is the diagonal.
+        // Wedges, given by their corners, with normals towards them and away.
         for degrees in [22.5, 30.0, 45.0, 60.0_f64] {
             let (s, c) = degrees.to_radians().sin_cos();
             for side in [-1.0, 1.0] {
                 let other = SymmetryPlane { point: [0.0; 3], normal: [side * s, -side * c, 0.0] };
-                for (width, shift) in [(1.0, 0.0), (40.0, 1e-7), (0.3, -1e-8)] {
-                    let corner = [width, width * s / c + shift, 1.0];
-                    let planes = [SymmetryPlane::across(1, [0.0; 3]), other];
-                    let symmetry = Symmetry::new(&planes, 0.5 * width, [[0.0; 3], corner]).unwrap();
-                    assert!(!symmetry.images.is_empty());
-                }
+                let planes = [SymmetryPlane::across(1, [0.0; 3]), other];
+                let wedge = [[0.0; 3], [40.0, 0.0, 0.0], [40.0, 40.0 * s / c + 1e-7, 1.0]];
+                assert_eq!(Symmetry::check_model(&planes, &wedge, 1.0), Ok(()), "{degrees}");
             }
         }
+        // The middle of the box around a thin plate lies on the other side of the plane that it ends in.
+        let third = 1.0 / 3.0_f64.sqrt();
+        let along = [2.0, -1.0, -1.0].map(|x: f64| x / 6.0_f64.sqrt());
+        let sin = 60.0_f64.to_radians().sin();
+        let planes = [
+            SymmetryPlane { point: [0.0; 3], normal: [third; 3] },
+            SymmetryPlane {
+                point: [0, 1, 2].map(|axis| 3.5 * along[axis]),
+                normal: along.map(|x| 0.5 * third - sin * x),
+            },
+        ];
+        let corners = [[2.0, -1.0, -1.0], [-1.0, 2.0, -1.0], [-1.0, -1.0, 2.0]];
+        let plate: Vec<Point> = corners.into_iter().chain(corners.map(|x| x.map(|x| x - 0.1))).collect();
+        assert_eq!(Symmetry::check_model(&planes, &plate, 1.0), Ok(()));
         let thin = SymmetryPlane { point: [0.001, 0.0, 0.0], normal: [-1.0, 0.0, 0.0] };
         let error = Symmetry::new(&[flipped(1.0), thin], 1.0, [[0.0; 3], [0.001, 1.0, 1.0]]).unwrap_err();
         assert!(matches!(error, SurfaceError::TooManyImages { images: MOST_IMAGES, .. }));

@@ -7,7 +7,7 @@ use diffuse_contact::interface::Outcome;
 use diffuse_contact_mesh::names::shown;
 use serde::{Deserialize, Serialize};
 
-use super::proposal::{idle_planes, symmetry_line};
+use super::proposal::{free_planes, idle_planes, symmetry_line};
 use super::tracks::all_behind;
 use super::{Fallbacks, Integration, Interaction};
 use crate::model::Model;
@@ -63,6 +63,9 @@ pub struct Beginning {
     /// Planes of symmetry, as the deck has them, in which no surface of the interface ends.
     #[serde(default)]
     pub idle_planes: Vec<String>,
+    /// Planes of symmetry across an axis, as the deck has them, and how many nodes in them are free to move along it.
+    #[serde(default)]
+    pub free_planes: Vec<(String, usize)>,
 }
 
 /// Of the first pass; 0 where a slave has contact.
@@ -143,6 +146,7 @@ impl Beginning {
             serendipity: serendipity(interaction, model),
             symmetry: symmetry_line(interaction, problem, &model.deformable()),
             idle_planes: idle_planes(interaction, problem.start_positions()),
+            free_planes: free_planes(interaction, problem, &model.deformable()),
         }
     }
 
@@ -172,6 +176,7 @@ impl Beginning {
             behind,
             repeats,
             idle_planes,
+            free_planes,
             ..
         } = self;
         let twice = |other: &String| {
@@ -225,6 +230,14 @@ impl Beginning {
             )
         };
         warnings.extend(idle_planes.iter().map(idle));
+        let free = |(plane, count): &(String, usize)| {
+            format!(
+                "interface `{}`: {count} nodes in its plane of symmetry {plane} are free to move out of it: a `boundary` with `fix` holds \
+                 them there",
+                shown(interface)
+            )
+        };
+        warnings.extend(free_planes.iter().map(free));
         warnings.extend(fallbacks.warnings(Fallbacks::default(), interface, *slaves));
         warnings
     }

@@ -98,6 +98,9 @@ pub enum Augmented {
     Due,
 }
 
+/// A point of a face that lies deeper than the average by this factor is so by the faces' shape.
+const DEEPER: f64 = 3.0;
+
 /// Two surfaces that do not penetrate each other.
 #[derive(Debug)]
 pub struct Interaction {
@@ -204,11 +207,16 @@ impl Interaction {
             return all;
         }
         for (pass, size) in self.passes.iter().zip(&self.sizes) {
+            let (penalty, multipliers) = (pass.state().penalty(), &pass.state().multipliers);
+            let has_none = multipliers.iter().all(|&force| force == 0.0);
+            // Of a soft penalty all points are as deep as the average.
+            let is_deeper = |point: &&IntegrationPoint| {
+                let average = if has_none { point.pressure / penalty } else { 0.0 };
+                point.pressure > 0.0 && -point.gap > DEEPER * average
+            };
             // Before the first update there are none.
-            pass.integration_points()
-                .unwrap_or_default()
-                .iter()
-                .for_each(|point| all.count_point(-point.gap / size));
+            let points = pass.integration_points().unwrap_or_default();
+            points.iter().filter(is_deeper).for_each(|point| all.count_point(-point.gap / size));
         }
         all
     }

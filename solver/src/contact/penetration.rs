@@ -15,7 +15,8 @@ pub struct Penetration {
     pub slaves: usize,
     /// The deepest of them, over the size of its facets.
     pub part: f64,
-    /// How many integration points lie deeper than 5 % of the mean size of the slave's faces.
+    /// How many integration points under pressure lie deeper than 5 % of the mean size of the slave's faces, and three times deeper than the
+    /// average of their nodes.
     pub points: usize,
     /// The deepest of them, over that size.
     pub part_of_points: f64,

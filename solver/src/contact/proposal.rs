@@ -37,6 +37,29 @@ pub fn idle_planes(interaction: &Interaction, positions: &[Point]) -> Vec<String
     planes.filter(|plane| is_idle(plane, interaction, positions)).map(written).collect()
 }
 
+/// The planes of an interaction across an axis, as decks have them, with how many of its deformable nodes in them nothing prescribes along
+/// that axis: its mirror image would move the other way.
+pub fn free_planes(
+    interaction: &Interaction,
+    problem: &Problem,
+    deformable: &[bool],
+) -> Vec<(String, usize)> {
+    let positions = problem.start_positions();
+    let prescribed = problem.supports().prescribed();
+    let nodes: BTreeSet<usize> =
+        interaction.facets().iter().flat_map(|facet| facet.corners()).copied().collect();
+    let tolerance = ON_PLANE * extent(&nodes, positions);
+    let of_plane = |plane: &SymmetryPlane| {
+        let axis = (0..3).find(|&axis| plane.normal[axis].abs() > 1.0 - ON_PLANE)?;
+        let is_free = |&&node: &&usize| {
+            deformable[node] && !prescribed[node][axis] && height(plane, positions[node]).abs() <= tolerance
+        };
+        let count = nodes.iter().filter(is_free).count();
+        (count > 0).then(|| (written(plane), count))
+    };
+    interaction.options().symmetry.iter().filter_map(of_plane).collect()
+}
+
 /// How far from a plane a point lies, on the side of the model.
 fn height(plane: &SymmetryPlane, x: Point) -> f64 {
     dot(plane.normal, [0, 1, 2].map(|axis| x[axis] - plane.point[axis]))

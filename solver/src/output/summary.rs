@@ -55,7 +55,7 @@ pub struct Summary {
     /// Increments whose contact was found with softer penalties first, as a body came loose from it on the way.
     #[serde(default)]
     pub increments_softened: usize,
-    /// Increments that ended with a stiffness that has negative eigenvalues.
+    /// Increments whose last stiffness that was solved with has negative eigenvalues.
     #[serde(default)]
     pub increments_unstable: usize,
     /// Linear solutions in which nothing but the stabilisation held a part, over all increments.
@@ -240,8 +240,8 @@ impl Summary {
             (
                 self.increments_unstable,
                 format!(
-                    "of {increments} increments ended with a stiffness that has negative eigenvalues: equilibrium is not stable there, as \
-                     beyond buckling, or one of several"
+                    "of {increments} increments had negative eigenvalues in the last stiffness that was solved with: equilibrium near there \
+                     is not stable, as beyond buckling, or one of several"
                 ),
             ),
             (

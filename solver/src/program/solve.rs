@@ -294,7 +294,7 @@ impl Progress {
         }
         if let Some(count) = record.negative.filter(|_| record.is_unstable()) {
             say(&format!(
-                "  note: the stiffness has {}: equilibrium is not stable",
+                "  note: the last stiffness that was solved with has {}: equilibrium is not stable",
                 counted(count, "negative eigenvalue")
             ));
         }

@@ -110,10 +110,11 @@ impl<'a> Increment<'a> {
     /// what it is.
     pub fn solve(&mut self, observer: &mut dyn Observer) -> Result<(State, IncrementRecord), Failure> {
         let failure = match self.attempt(observer) {
-            Err(failure) if failure.may_be_of_contact() && self.problem.supposed > 0 => failure,
+            Err(failure) if failure.may_be_of_contact() && self.may_soften() => failure,
             outcome => return outcome,
         };
         let (left, count) = (self.positions.clone(), self.history.len());
+        let Problem { supposed, stabilised, linear, .. } = *self.problem;
         self.positions.copy_from_slice(&self.committed.positions);
         (self.step, self.size, self.is_balanced) = (0.0, None, false);
         self.rounds = Rounds { begin: count, ..Rounds::default() };
@@ -122,13 +123,24 @@ impl<'a> Increment<'a> {
         self.problem.contacts_mut().soften(SOFTER[0]);
         let outcome = self.attempt(observer);
         self.problem.contacts_mut().soften(1.0);
-        outcome.or_else(|_| {
-            // What is told is the state that failed without.
-            self.positions = left;
-            self.history.truncate(count);
-            self.evaluate(Order::Residual)?;
-            Err(failure)
-        })
+        if let Ok((state, mut record)) = outcome {
+            record.supposed += supposed;
+            record.stabilised += stabilised;
+            record.linear.add(&linear);
+            return Ok((state, record));
+        }
+        // What is told is the state that failed without. Where its forces are not found again they are not known.
+        self.positions = left;
+        let is_found = self.problem.refresh(RefreshRule::Iteration, &self.positions).is_ok()
+            && self.evaluate(Order::Residual).is_ok();
+        self.history.truncate(if is_found { count } else { count.min(1) });
+        Err(failure)
+    }
+
+    /// Whether softer penalties may help: a body came loose from its contact, and no multipliers hold forces that penalties do not.
+    fn may_soften(&self) -> bool {
+        self.problem.supposed > 0
+            && self.problem.contacts().multipliers().iter().flatten().all(|&force| force == 0.0)
     }
 
     fn attempt(&mut self, observer: &mut dyn Observer) -> Result<(State, IncrementRecord), Failure> {
@@ -253,6 +265,7 @@ impl<'a> Increment<'a> {
     /// What the new multipliers or penalties put out of balance is what the round starts from.
     fn begin_round(&mut self, observer: &mut dyn Observer) -> Result<(), Failure> {
         self.cycle = Cycle::default();
+        self.rounds.longest = self.rounds.longest.max(self.rounds.iterations);
         (self.rounds.iterations, self.rounds.begin) = (0, self.history.len());
         (self.step, self.size) = (0.0, None);
         let balance = self.evaluate(Order::Tangent)?;
@@ -266,7 +279,10 @@ impl<'a> Increment<'a> {
     /// Notes a residual and who carries force; one that is no number or too large is a failure.
     fn record(&mut self, balance: Balance, observer: &mut dyn Observer) -> Result<(), Failure> {
         let Balance { residual, scale, excess } = balance;
-        self.problem.contacts_mut().note();
+        // With softer penalties other slaves carry force.
+        if self.softer == 0 {
+            self.problem.contacts_mut().note();
+        }
         let relative = balance.relative();
         let record = IterationRecord {
             time: self.end,

@@ -19,7 +19,7 @@ const MOST_SUPPOSED: usize = 6;
 
 /// Slaves that are supposed to touch.
 pub(super) const NEAR: Nearest = Nearest::OfPass(0.1);
-/// Fewer, which are enough if as much is held: contacts that do not close bend a slender body.
+/// Fewer, which are enough if they hold everything: contacts that do not close bend a slender body.
 const NEARER: [Nearest; 4] =
     [Nearest::OfBody(1e-3), Nearest::OfBody(1e-2), Nearest::OfPass(1e-3), Nearest::OfPass(1e-2)];
 
@@ -79,15 +79,20 @@ impl Problem {
         let is_stabilised = self.stabilisation > 0.0;
         // A motion that costs next to nothing goes anywhere long before its stiffness counts as singular: there is no trying without.
         let plain = if is_stabilised { None } else { Some(self.solve_system(&system, step)) };
-        // Far from the origin rounding of positions gives a loose body some stiffness.
+        let mut loose = match &plain {
+            // Far from the origin rounding of positions gives a loose body some stiffness.
+            Some(Ok(_)) if self.rounded.is_some() => self.loose(&system, positions),
+            Some(Err(SystemError::Singular { .. })) | None => self.loose(&system, positions),
+            _ => Vec::new(),
+        };
+        let is_singular = matches!(plain, Some(Err(SystemError::Singular { .. })));
         if let Some(solved) = plain
-            && !matches!(solved, Err(SystemError::Singular { .. }))
-            && !(self.is_rounded && solved.is_ok() && !self.loose(&system, positions).is_empty())
+            && loose.is_empty()
+            && !is_singular
         {
             self.stiffness = Some(system.matrix);
             return solved.map_err(|error| Failure::of_system(error, Vec::new()));
         }
-        let mut loose = self.loose(&system, positions);
         let is_due = !(is_stabilised && loose.is_empty() || self.contacts.are_none());
         if is_due && !self.is_in_vain && self.supposed < MOST_SUPPOSED {
             self.stiffness = Some(system.matrix);
@@ -108,7 +113,18 @@ impl Problem {
         }
         let solved = self.solve_system(&system, step);
         self.stiffness = Some(system.matrix);
-        solved.map_err(|error| Failure::of_system(error, loose))
+        // It is not that of the bodies and their contacts.
+        self.negative = None;
+        match (solved, self.rounded) {
+            (Ok(_), Some(residual)) if !loose.is_empty() => {
+                let (equations, condition) = (self.equations.len(), 1.0 / f64::EPSILON);
+                Err(Failure::Singular {
+                    error: SystemError::Singular { equations, residual, condition },
+                    loose,
+                })
+            }
+            (solved, _) => solved.map_err(|error| Failure::of_system(error, loose)),
+        }
     }
 
     /// Whether the stiffness is the same for a shorter increment: no force of contact or of a follower is in it.
@@ -116,39 +132,42 @@ impl Problem {
         self.active() == 0 && !self.pressures.iter().any(|pressure| pressure.follower)
     }
 
-    /// With as few contacts of loose parts supposed to be closed as hold as much as all of them that may be, and what they leave loose.
+    /// With contacts of loose parts supposed to be closed, and what they leave loose: the fewest that hold everything, or all that may be.
     fn suppose(
         &mut self,
         time: f64,
         positions: &[[f64; 3]],
         loose: &[Loose],
     ) -> Result<(Assembled, Vec<Loose>), Failure> {
-        let closed = |own: &mut Self, nearest: Nearest| {
-            let closed = own.closed(time, positions, loose, nearest);
-            own.contacts.recall(positions).map_err(Failure::Contact)?;
-            let closed = closed?;
-            let held = own.loose(&closed, positions);
-            Ok((closed, held))
-        };
-        let (mut all, least) = closed(self, NEAR)?;
-        let fewest = motions(&least);
-        if fewest < motions(loose) {
-            for nearest in NEARER {
-                self.stiffness = Some(all.matrix);
-                let (some, held) = closed(self, nearest)?;
-                if motions(&held) <= fewest {
-                    return Ok((some, held));
-                }
-                all = some;
+        // What is free and no rigid motion is not asked for.
+        let fewer = if loose.is_empty() { &[][..] } else { &NEARER[..] };
+        for &nearest in fewer {
+            let (closed, held) = self.closed(time, positions, loose, nearest)?;
+            if held.is_empty() {
+                return Ok((closed, held));
             }
-            self.stiffness = Some(all.matrix);
-            return closed(self, NEAR);
+            self.stiffness = Some(closed.matrix);
         }
-        Ok((all, least))
+        self.closed(time, positions, loose, NEAR)
     }
 
-    /// With contacts of loose parts that are supposed to be closed: what they push with is what has to pull them onto their masters.
+    /// With these contacts of loose parts supposed to be closed, and what they leave loose: what they push with is what has to pull them
+    /// onto their masters.
     fn closed(
+        &mut self,
+        time: f64,
+        positions: &[[f64; 3]],
+        loose: &[Loose],
+        nearest: Nearest,
+    ) -> Result<(Assembled, Vec<Loose>), Failure> {
+        let closed = self.assemble_closed(time, positions, loose, nearest);
+        self.contacts.recall(positions).map_err(Failure::Contact)?;
+        let closed = closed?;
+        let held = self.loose(&closed, positions);
+        Ok((closed, held))
+    }
+
+    fn assemble_closed(
         &mut self,
         time: f64,
         positions: &[[f64; 3]],
@@ -252,10 +271,10 @@ impl Problem {
         self.timing.linear += begin.elapsed();
         let report = solved?;
         self.linear.take(&report);
-        (self.size, self.is_rounded, self.negative) = match report {
-            LinearReport::Iterative { size, .. } => (Some(size), false, None),
-            LinearReport::Instead { is_rounded, .. } => (None, is_rounded, None),
-            LinearReport::Direct { is_rounded, negative } => (None, is_rounded, negative),
+        (self.size, self.rounded, self.negative) = match report {
+            LinearReport::Iterative { size, .. } => (Some(size), None, None),
+            LinearReport::Instead { rounded, .. } => (None, rounded, None),
+            LinearReport::Direct { rounded, negative } => (None, rounded, negative),
         };
         for (sum, part) in step.as_flattened_mut().iter_mut().zip(solution.as_flattened()) {
             *sum += part;

@@ -26,7 +26,7 @@
 //! that no shorter step is better. A Newton step that turns an element inside out is halved first, the linear prediction is not.
 //!
 //! **Softer penalties**: an increment that fails although contacts were supposed to close, since nothing else held a body, begins again with
-//! 10⁻⁴ of all penalties and goes on with stiffer ones, from equilibrium to equilibrium.
+//! 10⁻⁴ of all normal penalties and goes on with stiffer ones, from equilibrium to equilibrium.
 //!
 //! **Cut-back**: an increment that does not converge within its iterations, diverges, turns an element inside out in spite of
 //! halved steps, goes where contact cannot be evaluated, or ends without contacts that carried force since their elements have no

@@ -102,7 +102,7 @@ pub struct IncrementRecord {
     pub length: f64,
     /// Linear solutions.
     pub iterations: usize,
-    /// The most of them in one round of augmentation; all of them without.
+    /// The most of them in one round of augmentation, or with one of softer penalties; all of them without either.
     pub longest_round: usize,
     /// Residuals, from the one before the first solution to the converged one.
     pub history: Vec<IterationRecord>,
@@ -126,8 +126,8 @@ pub struct IncrementRecord {
     pub supposed: usize,
     /// Whether contact was found with softer penalties first, as bodies came loose from it on the way.
     pub softened: bool,
-    /// Negative eigenvalues of the stiffness in the last linear solution, if it was symmetric and solved by factors: equilibrium is not
-    /// stable there.
+    /// Negative eigenvalues of the last stiffness that was solved with, if it was symmetric, solved by factors, and neither stabilised nor of
+    /// supposed contacts: equilibrium near there is not stable.
     pub negative: Option<usize>,
     /// Linear solutions in which nothing but the stabilisation held a part.
     pub stabilised: usize,
@@ -173,6 +173,15 @@ pub struct LinearEffort {
     pub direct_instead: usize,
     /// The most memory that matrix, preconditioner and vectors took, bytes; 0 if all were solved directly.
     pub bytes: usize,
+}
+
+impl LinearEffort {
+    /// Adds that of an earlier attempt.
+    pub(super) fn add(&mut self, earlier: &Self) {
+        self.iterations += earlier.iterations;
+        self.direct_instead += earlier.direct_instead;
+        self.bytes = self.bytes.max(earlier.bytes);
+    }
 }
 
 /// Where the time went.

@@ -96,9 +96,9 @@ pub struct Problem {
     pub(super) linear: LinearEffort,
     /// The size of the last right-hand side, if its solution was iterative.
     pub(super) size: Option<f64>,
-    /// Whether the residual of the last solution by factors is small only beside rounding.
-    pub(super) is_rounded: bool,
-    /// Negative eigenvalues of the last stiffness, if its factors tell.
+    /// The residual of the last solution by factors, if it is small only beside rounding.
+    pub(super) rounded: Option<f64>,
+    /// Negative eigenvalues of the increment's last stiffness, if its factors tell.
     pub(super) negative: Option<usize>,
     /// Pairs of nodes that share an element.
     pub(super) links: BlockPattern,
@@ -172,7 +172,7 @@ impl Problem {
             linear: LinearEffort::default(),
             links,
             size: None,
-            is_rounded: false,
+            rounded: None,
             negative: None,
             stiffness: None,
             coupled: Vec::new(),
@@ -222,6 +222,7 @@ impl Problem {
         self.rounding.clear();
         (self.supposed, self.is_in_vain, self.stabilised) = (0, false, 0);
         self.linear = LinearEffort::default();
+        self.negative = None;
         self.contacts.set_multipliers(&state.multipliers)?;
         self.contacts.set_friction_history(&state.friction)?;
         self.contacts.begin(&state.loaded)

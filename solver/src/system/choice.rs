@@ -52,11 +52,11 @@ pub struct LinearSystem<'a> {
 #[allow(missing_docs)] // The names say what the fields are.
 pub enum LinearReport {
     /// By factors, as [`SolveReport`] tells.
-    Direct { is_rounded: bool, negative: Option<usize> },
+    Direct { rounded: Option<f64>, negative: Option<usize> },
     /// By iteration. `size` is that of the right-hand side, see [`Accuracy`]; `bytes` is the memory of matrix, preconditioner and vectors.
     Iterative { iterations: usize, size: f64, bytes: usize },
     /// By factors, since the iterative solution did not converge within so many iterations.
-    Instead { iterations: usize, is_rounded: bool },
+    Instead { iterations: usize, rounded: Option<f64> },
 }
 
 /// Solves systems directly or iteratively. What it keeps from one to the next is the symbolic factorisation, and whether factors were too
@@ -128,7 +128,7 @@ impl LinearSolver {
                 }
                 solved => {
                     return solved.map(|report| LinearReport::Direct {
-                        is_rounded: report.is_rounded(),
+                        rounded: report.rounded(),
                         negative: report.negative,
                     });
                 }
@@ -145,7 +145,7 @@ impl LinearSolver {
             return Err(unsolved);
         }
         match self.solve_directly(system, rhs, solution) {
-            Ok(report) => Ok(LinearReport::Instead { iterations, is_rounded: report.is_rounded() }),
+            Ok(report) => Ok(LinearReport::Instead { iterations, rounded: report.rounded() }),
             // A shorter increment may do with iterations.
             Err(SystemError::TooLarge { .. }) => {
                 self.is_too_large = true;

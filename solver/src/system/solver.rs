@@ -54,9 +54,9 @@ pub struct SolveReport {
 }
 
 impl SolveReport {
-    /// Whether the residual is small only beside rounding of K x: the matrix may be of a loose body, far from the origin.
-    pub fn is_rounded(&self) -> bool {
-        !(self.residual <= ACCEPTABLE)
+    /// The residual if it is small only beside rounding of K x: the matrix may be of a loose body, far from the origin.
+    pub fn rounded(&self) -> Option<f64> {
+        (!(self.residual <= ACCEPTABLE)).then_some(self.residual)
     }
 }
 

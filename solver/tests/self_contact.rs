@@ -130,3 +130,47 @@ fn coils_of_a_spring_touch_one_another() {
     let curve = pressed("coil_spring.toml", "spring", [48, 1, 2], 0.1, Contact::Diffuse);
     assert!(curve.last().unwrap()[1] > 10.0 && curve[3][1] == 0.0, "{curve:?}");
 }
+
+/// A clip that opens touches nothing, however far its walls look: facets far aside of a node are no place for it.
+#[test]
+fn a_clip_that_opens_touches_nothing() {
+    for contact in ["diffuse", "node-to-facet"] {
+        let deck = format!(
+            r#"
+contact = "{contact}"
+[materials.m]
+young = 1000.0
+poisson = 0.0
+[parts.u]
+shape = "strip"
+path = [{{ length = 20.0 }}, {{ radius = 3.0, degrees = 180.0 }}, {{ length = 20.0 }}]
+thickness = 0.5
+width = 1.0
+divisions = [50, 1, 1]
+element = "hex8i"
+material = "m"
+[[boundary]]
+nodes = ["u.bottom", "u.top"]
+fix = ["z"]
+[[boundary]]
+nodes = "u.start"
+fix = ["x", "y"]
+[[boundary]]
+nodes = "u.end"
+translate = ["free", 8.0, 0.0]
+[[interface]]
+name = "walls"
+self = ["u.left", "u.right"]
+symmetry = ["z", {{ point = [0, 0, 1], normal = [0, 0, -1] }}]
+distance_limit = 30.0
+[time]
+increment = 0.1
+"#
+        );
+        let run = run(&Deck::parse(&deck).unwrap());
+        assert!(
+            run.iter().all(|(force, depth, loaded)| *force == 0.0 && *depth == 0.0 && loaded.is_empty()),
+            "{run:?}"
+        );
+    }
+}

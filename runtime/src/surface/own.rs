@@ -7,7 +7,8 @@
 //! * **it is far along the skin**: at least [`RINGS`] facets lie between them, and no fit over the facet has the node itself;
 //! * **it is not its back**: in the first configuration neither lies right behind the other, up to [`BEHIND`] thicknesses of the body;
 //! * **it is in front**: the node lies above the facet, and the facet above the node, or below it by no more than [`DEPTH`] of the
-//!   thickness of the body, at the node and at the facet. Around a bend a wall's other side may face a node, too, but from behind.
+//!   thickness of the body, at the node and at the facet. Around a bend a wall's other side may face a node, too, but from behind;
+//! * **it is below the node**, not farther aside than its own extent.
 //!
 //! Rings and thickness are those of the first configuration, too. In trial states of an iteration a wall may be squeezed to a part of its
 //! thickness: what is its back cannot follow from positions of the moment.
@@ -112,8 +113,10 @@ impl OwnSurface {
         };
         let is_in_front = |facet: u32, foot: &Foot| {
             let way = x - foot.point;
-            let height = normals[facet as usize].dot(&way).min(-normal.dot(&way));
-            height >= -self.depth(surface, place, facet) || around(facet)
+            let height = normals[facet as usize].dot(&way);
+            let beside = (way - normals[facet as usize] * height).norm();
+            let is_over = beside <= index.shape(facet).extent();
+            is_over && height.min(-normal.dot(&way)) >= -self.depth(surface, place, facet) || around(facet)
         };
         index.closest_where(point, self.limit, ties, |facet, foot| match foot {
             None => may(facet) && may_touch(facet),

@@ -197,8 +197,8 @@ impl Interaction {
     }
 
     /// Slaves that carry force deep below the master, beside the size of their facets, at the last evaluation. Where slave and masters are all
-    /// prescribed it is the deck's, and left out.
-    pub fn penetration(&self) -> Penetration {
+    /// prescribed it is the deck's, and left out. `longest`: the longest way of a node.
+    pub fn penetration(&self, longest: f64) -> Penetration {
         let mut all = Penetration::default();
         for slave in self.slaves().filter(|slave| slave.force > 0.0 && !slave.is_held) {
             all.count(slave.gap.map_or(0.0, |gap| -gap / self.facet_size_at(slave.node)));
@@ -209,14 +209,14 @@ impl Interaction {
         for (pass, size) in self.passes.iter().zip(&self.sizes) {
             let (penalty, multipliers) = (pass.state().penalty(), &pass.state().multipliers);
             let has_none = multipliers.iter().all(|&force| force == 0.0);
-            // Of a soft penalty all points are as deep as the average.
-            let is_deeper = |point: &&IntegrationPoint| {
-                let average = if has_none { point.pressure / penalty } else { 0.0 };
-                point.pressure > 0.0 && -point.gap > DEEPER * average
-            };
             // Before the first update there are none.
-            let points = pass.integration_points().unwrap_or_default();
-            points.iter().filter(is_deeper).for_each(|point| all.count_point(-point.gap / size));
+            for point in pass.integration_points().unwrap_or_default() {
+                // Of a soft penalty all points are as deep as the average.
+                let average = if has_none { point.pressure / penalty } else { 0.0 };
+                if point.pressure > 0.0 && -point.gap > DEEPER * average {
+                    all.count_point(-point.gap / size, (-point.gap - average) / longest);
+                }
+            }
         }
         all
     }

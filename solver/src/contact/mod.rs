@@ -337,9 +337,10 @@ impl ContactSet {
         self.interactions.iter().map(counted).filter(|(_, fallbacks)| !fallbacks.is_none())
     }
 
-    /// Names of the interfaces with slaves that lie deep below their masters, beside the size of their facets, at the last evaluation.
-    pub fn penetrations(&self) -> impl Iterator<Item = (String, Penetration)> {
-        let counted = |own: &Interaction| (own.options().name.clone(), own.penetration());
+    /// Names of the interfaces with slaves that lie deep below their masters, beside the size of their facets or the longest way of a node,
+    /// at the last evaluation.
+    pub fn penetrations(&self, longest: f64) -> impl Iterator<Item = (String, Penetration)> {
+        let counted = move |own: &Interaction| (own.options().name.clone(), own.penetration(longest));
         self.interactions.iter().map(counted).filter(|(_, found)| !found.is_none())
     }
 

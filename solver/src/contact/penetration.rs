@@ -6,6 +6,9 @@ use serde::{Deserialize, Serialize};
 /// Penetration over the size of the facets around a slave from which it is no longer well below the error of the mesh.
 const DEEP: f64 = 0.05;
 
+/// Points that lie so much deeper than their average, over the longest way of a node, touch late enough to be told.
+const LATE: f64 = 0.05;
+
 /// Slaves of an interface, of both passes if there are two, that carry force deeper below the master than 5 % of the size of the facets around
 /// them. Over faces also points, which the average gaps of nodes do not show.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -20,16 +23,23 @@ pub struct Penetration {
     pub points: usize,
     /// The deepest of them, over that size.
     pub part_of_points: f64,
+    /// How much deeper a point under pressure lies than the average of its nodes, over the longest way of a node, at the end of the last
+    /// increment: contact began later by about that.
+    pub part_of_motion: f64,
 }
 
 impl Penetration {
     /// Whether there are none.
-    pub(super) fn is_none(&self) -> bool {
-        self.slaves == 0 && self.points == 0
+    pub(crate) fn is_none(&self) -> bool {
+        self.slaves == 0 && self.points == 0 && !(self.part_of_motion > LATE)
     }
 
-    /// Counts an integration point that lies so deep, over the size of faces.
-    pub(super) fn count_point(&mut self, part: f64) {
+    /// Counts an integration point that lies so deep, over the size of faces, and so much deeper than the average, over the longest way of a
+    /// node.
+    pub(super) fn count_point(&mut self, part: f64, late: f64) {
+        if late.is_finite() {
+            self.part_of_motion = self.part_of_motion.max(late);
+        }
         if part > DEEP {
             (self.points, self.part_of_points) = (self.points + 1, self.part_of_points.max(part));
         }
@@ -50,26 +60,34 @@ impl Penetration {
             part: self.part.max(other.part),
             points: self.points.max(other.points),
             part_of_points: self.part_of_points.max(other.part_of_points),
+            part_of_motion: self.part_of_motion.max(other.part_of_motion),
         }
     }
 
-    /// What to think of it, in a sentence about an interface with this penalty.
-    pub fn warning(&self, interface: &str, penalty: f64) -> String {
-        let Self { slaves, part, points, part_of_points } = self;
-        if *slaves == 0 {
-            return format!(
-                "interface `{}`: up to {points} points of the slave's faces lay deeper below the master than 5 % of the faces' size, by up to \
-                 {:.1} %, although the average gaps of their nodes are less: the faces are coarse beside the master's curvature, so that \
-                 contact begins late and forces are inaccurate; smaller faces, exchanged roles, or integration = \"nodes\" help",
-                shown(interface),
-                100.0 * part_of_points
-            );
+    /// What to think of it, in a sentence about an interface with this penalty; `None` if it is nothing.
+    pub fn warning(&self, interface: &str, penalty: f64) -> Option<String> {
+        let Self { slaves, part, points, part_of_points, part_of_motion } = self;
+        if self.is_none() {
+            return None;
         }
-        format!(
+        if *slaves == 0 {
+            let by = if *points > 0 {
+                format!("by up to {:.1} % of the faces' size", 100.0 * part_of_points)
+            } else {
+                format!("by {:.1} % of the longest way of a node", 100.0 * part_of_motion)
+            };
+            return Some(format!(
+                "interface `{}`: points of the slave's faces lay deeper below the master than the average gaps of their nodes, {by}: the faces \
+                 are coarse beside the master's curvature, so that contact begins late and forces are inaccurate; smaller faces, exchanged \
+                 roles, or integration = \"nodes\" help",
+                shown(interface)
+            ));
+        }
+        Some(format!(
             "interface `{}`: up to {slaves} slaves ended an increment deeper below the master than 5 % of the size of their facets, by up to \
              {:.1} %, with the penalty {penalty:.3e}: a stiffer one, or method = \"augmented-lagrangian\", lets them in less",
             shown(interface),
             100.0 * part
-        )
+        ))
     }
 }

@@ -379,10 +379,13 @@ impl<'a> Recorder<'a> {
             *most = most.max(*found);
         }
         let mut penetrations = self.penetrations.clone();
+        // Of a motion the end counts.
+        penetrations.values_mut().for_each(|most| most.part_of_motion = 0.0);
         for (interface, found) in &record.penetrations {
             let most = penetrations.entry(interface.clone()).or_default();
             *most = most.max(*found);
         }
+        penetrations.retain(|_, most| !most.is_none());
         let before = (
             std::mem::replace(&mut self.state, state.clone()),
             std::mem::replace(&mut self.pending, pending),

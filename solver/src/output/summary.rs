@@ -197,7 +197,7 @@ impl Summary {
     fn deep_slaves(&self) -> impl Iterator<Item = String> {
         self.interfaces.iter().filter_map(|start| {
             let found = self.penetrations.get(&start.interface)?;
-            Some(found.warning(&start.interface, start.penalty))
+            found.warning(&start.interface, start.penalty)
         })
     }
 

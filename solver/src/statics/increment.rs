@@ -534,7 +534,7 @@ impl<'a> Increment<'a> {
             lost: problem.contacts().lost(way).count(),
             vanished: problem.contacts().vanished(way).map(named).collect(),
             fallbacks: problem.contacts().fallbacks().collect(),
-            penetrations: problem.contacts().penetrations().collect(),
+            penetrations: problem.contacts().penetrations(problem.largest_motion(&state.positions)).collect(),
             missed: problem.contacts().missed(),
             supposed: problem.supposed,
             softened: self.is_softened,

@@ -19,7 +19,7 @@ const MOST_SUPPOSED: usize = 6;
 
 /// Slaves that are supposed to touch.
 pub(super) const NEAR: Nearest = Nearest::OfPass(0.1);
-/// Fewer, which are enough if they hold everything: contacts that do not close bend a slender body.
+/// Fewer, which are enough if they hold as much: contacts that do not close bend a slender body.
 const NEARER: [Nearest; 4] =
     [Nearest::OfBody(1e-3), Nearest::OfBody(1e-2), Nearest::OfPass(1e-3), Nearest::OfPass(1e-2)];
 
@@ -132,13 +132,14 @@ impl Problem {
         self.active() == 0 && !self.pressures.iter().any(|pressure| pressure.follower)
     }
 
-    /// With contacts of loose parts supposed to be closed, and what they leave loose: the fewest that hold everything, or all that may be.
+    /// With contacts of loose parts supposed to be closed, and what they leave loose: the fewest that hold as much as any.
     fn suppose(
         &mut self,
         time: f64,
         positions: &[[f64; 3]],
         loose: &[Loose],
     ) -> Result<(Assembled, Vec<Loose>), Failure> {
+        let (mut best, mut fewest) = (NEAR, motions(loose));
         // What is free and no rigid motion is not asked for.
         let fewer = if loose.is_empty() { &[][..] } else { &NEARER[..] };
         for &nearest in fewer {
@@ -146,9 +147,17 @@ impl Problem {
             if held.is_empty() {
                 return Ok((closed, held));
             }
+            if motions(&held) < fewest {
+                (best, fewest) = (nearest, motions(&held));
+            }
             self.stiffness = Some(closed.matrix);
         }
-        self.closed(time, positions, loose, NEAR)
+        let (all, held) = self.closed(time, positions, loose, NEAR)?;
+        if best == NEAR || motions(&held) < fewest {
+            return Ok((all, held));
+        }
+        self.stiffness = Some(all.matrix);
+        self.closed(time, positions, loose, best)
     }
 
     /// With these contacts of loose parts supposed to be closed, and what they leave loose: what they push with is what has to pull them

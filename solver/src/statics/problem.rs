@@ -246,6 +246,14 @@ impl Problem {
         &self.start
     }
 
+    /// The longest way of a node from the start to these positions, length.
+    pub(super) fn largest_motion(&self, positions: &[[f64; 3]]) -> f64 {
+        let way = |(x, start): (&[f64; 3], &[f64; 3])| {
+            (0..3).map(|axis| (x[axis] - start[axis]).powi(2)).sum::<f64>().sqrt()
+        };
+        positions.iter().zip(&self.start).map(way).fold(0.0, f64::max)
+    }
+
     /// The solid.
     pub fn solid(&self) -> &Solid {
         &self.solid

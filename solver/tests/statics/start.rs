@@ -799,3 +799,16 @@ fn a_column_under_more_than_its_critical_load_is_told_to_be_unstable() {
         assert_eq!((last.negative, last.is_unstable()), (Some(negative), negative > 0), "{part}");
     }
 }
+
+/// Averages over faces of half the roller's radius close a sixtieth of it late: a tenth of what the strip moves.
+#[test]
+fn faces_that_touch_late_are_told() {
+    let late = |cells: usize| {
+        let (notes, ..) =
+            run(&on_a_roller(50.0, cells, "integration = \"faces\""), "[time]\nincrement = 0.5");
+        let penetrations = &notes.increments.last().unwrap().penetrations;
+        penetrations.iter().map(|(_, found)| found.part_of_motion).fold(0.0, f64::max)
+    };
+    assert!(late(10) > 0.05 && late(10) < 0.3, "{}", late(10));
+    assert!(late(100) == 0.0, "{}", late(100));
+}

@@ -116,7 +116,7 @@ impl Problem {
         // It is not that of the bodies and their contacts.
         self.negative = None;
         match (solved, self.rounded) {
-            (Ok(_), Some(residual)) if !loose.is_empty() => {
+            (Ok(_), Some(residual)) if !is_stabilised && !loose.is_empty() => {
                 let (equations, condition) = (self.equations.len(), 1.0 / f64::EPSILON);
                 Err(Failure::Singular {
                     error: SystemError::Singular { equations, residual, condition },

@@ -454,7 +454,7 @@ impl Interaction {
         }
     }
 
-    /// From here on with this part of the penalty; the next evaluation sees it.
+    /// From here on with this part of the normal penalty; the next evaluation sees it.
     pub(super) fn soften(&mut self, softness: f64) {
         self.passes.iter_mut().for_each(|pass| pass.state_mut().softness = softness);
     }

@@ -191,7 +191,7 @@ impl ContactSet {
         self.evaluate(positions, Mode::Hessian)
     }
 
-    /// From here on with this part of all penalties; the next evaluation sees it.
+    /// From here on with this part of all normal penalties; the next evaluation sees it.
     pub(crate) fn soften(&mut self, softness: f64) {
         self.interactions.iter_mut().for_each(|interaction| interaction.soften(softness));
     }

@@ -75,7 +75,7 @@ fn variants() -> Vec<InteractionOptions> {
     let interface = InterfaceOptions::node_to_facet().with_areas(true);
     variants.push(options(false, false).with_interface(interface));
     for (two_pass, augmented) in [(false, false), (true, false), (false, true)] {
-        let integration = Integration::Faces(FaceRule::default());
+        let integration = Integration::FACES;
         let interface = InterfaceOptions::default();
         variants.push(options(two_pass, augmented).with_integration(integration).with_interface(interface));
     }
@@ -356,7 +356,7 @@ fn a_product_of_the_operator_with_what_is_no_number_is_an_error() {
 #[test]
 fn a_slave_that_went_through_is_lost_and_a_force_that_vanishes_is_named() {
     let limited = || InterfaceOptions::node_to_facet().with_areas(true).with_distance_limit(Some(0.5));
-    let faces = Integration::Faces(FaceRule::default());
+    let faces = Integration::FACES;
     for (integration, interface) in
         [(Integration::Nodes, limited()), (faces, limited()), (faces, InterfaceOptions::default())]
     {
@@ -393,7 +393,7 @@ fn a_slave_that_went_through_is_lost_and_a_force_that_vanishes_is_named() {
 #[test]
 fn thin_walls_that_went_through_one_another_are_lost() {
     const THICKNESS: f64 = 0.2;
-    let faces = Integration::Faces(FaceRule::default());
+    let faces = Integration::FACES;
     for (gap, self_contact) in [(0.02, false), (0.02, true), (0.5, false), (0.5, true)] {
         let plate = |origin: Point, cells: usize| {
             let size = [cells as f64, cells as f64, THICKNESS];

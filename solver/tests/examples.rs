@@ -85,7 +85,7 @@ fn patch_test_over_faces() {
             deck.newton.tolerance = 1e-13;
             let interface = &mut deck.interfaces[0];
             interface.surface = interface.surface.with_element(element);
-            interface.integration = Integration::Faces(rule);
+            interface.integration = Integration::Faces { rule, pressures: FacePressures::Nodes };
             (interface.exchange, interface.penalty) = (exchange, Some(penalty));
             let (Uniformity { stress, other_stress, contact, .. }, force) = pressed(&deck);
             for error in [stress, other_stress, contact] {
@@ -118,7 +118,7 @@ fn patch_test_over_faces_of_all_kinds() {
                 deck.newton.tolerance = 1e-13;
                 let interface = &mut deck.interfaces[0];
                 interface.surface.element = interface.surface.element.with_weight(weight);
-                interface.integration = Integration::Faces(FaceRule::Second);
+                interface.integration = Integration::FACES;
                 (interface.exchange, interface.penalty) = (exchange, Some(penalty));
                 let (Uniformity { stress, other_stress, .. }, force) = pressed(&deck);
                 let error = worse(stress, other_stress);

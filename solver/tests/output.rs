@@ -120,7 +120,7 @@ fn pressures_of_two_interfaces_do_not_add_up_where_they_meet() {
 fn pressures_of_one_pair_under_two_names_add_up() {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../examples/patch_test.toml");
     let mut deck = Deck::read(path).unwrap();
-    deck.interfaces[0].integration = Integration::Faces(FaceRule::default());
+    deck.interfaces[0].integration = Integration::FACES;
     deck.interfaces[0].surface.areas = false;
     let again = Interface { name: "again".to_owned(), ..deck.interfaces[0].clone() };
     deck.interfaces.push(again);

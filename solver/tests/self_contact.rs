@@ -33,7 +33,7 @@ fn walls_of_a_squeezed_tube_touch_one_another() {
     let ways = [
         (Contact::Diffuse, Integration::Nodes),
         (Contact::NodeToFacet, Integration::Nodes),
-        (Contact::Diffuse, Integration::Faces(FaceRule::default())),
+        (Contact::Diffuse, Integration::FACES),
     ];
     for (contact, integration) in ways {
         let mut deck = Deck { contact, ..Deck::read(&path).unwrap() };
@@ -75,7 +75,7 @@ fn three_bodies_meet_without_roles() {
          [time]\nincrement = 0.25\n"
     );
     let mut deck = Deck::parse_named(&deck, Path::new("rings")).unwrap();
-    for integration in [Integration::Nodes, Integration::Faces(FaceRule::default())] {
+    for integration in [Integration::Nodes, Integration::FACES] {
         deck.interfaces[0].integration = integration;
         let run = run(&deck);
         let (force, depth, loaded) = run.last().unwrap();

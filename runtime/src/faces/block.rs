@@ -9,6 +9,7 @@ use super::carried::{Carried, direction_along};
 use super::cut::FacePoint;
 use super::quadratic::{Carrying, MOST_NODES};
 use super::skin::{Skin, SkinFace};
+use crate::friction::NormalForce;
 use crate::interface::{ContactInterface, FitPoint, InterfaceError, back, reserve};
 use crate::surface::{Facet, Image, Shape};
 use crate::vector::Vector3;
@@ -34,6 +35,8 @@ pub struct FaceView<'a> {
     /// Nodes that forces depend on, ascending.
     pub columns: &'a [u32],
     pub load: FaceLoad,
+    /// Of all points, if they have pressures of their own.
+    pub pressures: &'a [NormalForce],
     pub places: FacePlaces<'a>,
 }
 
@@ -150,17 +153,19 @@ impl FaceView<'_> {
 pub struct FaceLoad {
     /// Force per area.
     pub pressures: [f64; 4],
-    /// Friction, force per area; `None` if no corner has a history of it.
+    /// Friction, force per area, or over the pressure where points have theirs; `None` if no corner has a history of it.
     pub tractions: Option<[Point; 4]>,
 }
 
 impl FaceLoad {
-    /// The pressure at a point with these shape functions, and the traction over it.
-    fn at(&self, functions: &[f64; 4]) -> (f64, Option<Vector3>) {
-        let pressure: f64 = functions.iter().zip(&self.pressures).map(|(n, p)| n * p).sum();
+    /// The pressure at a point with these shape functions, and the traction over it. `own`: its own pressure, if it has one.
+    fn at(&self, functions: &[f64; 4], own: Option<&NormalForce>) -> (f64, Option<Vector3>) {
+        let of_corners = || functions.iter().zip(&self.pressures).map(|(n, p)| n * p).sum();
+        let pressure = own.map_or_else(of_corners, |own| own.force);
+        let over = if own.is_some() { 1.0 } else { pressure };
         let traction = self.tractions.filter(|_| pressure > 0.0).map(|tractions| {
             let sum = functions.iter().zip(tractions);
-            sum.fold(Vector3::zeros(), |sum, (&n, t)| sum + Vector3::from(t) * n) / pressure
+            sum.fold(Vector3::zeros(), |sum, (&n, t)| sum + Vector3::from(t) * n) / over
         });
         (pressure, traction)
     }
@@ -169,12 +174,17 @@ impl FaceLoad {
 /// The sums over a face's points.
 #[derive(Clone, Debug, Default)]
 pub struct FaceBlock {
-    /// By unit pressure of each corner: what it exerts on the rows' nodes, length².
+    /// By unit pressure of each corner: what it exerts on the rows' nodes, length². Empty with pressures of points.
     pub forces: [Vec<f64>; 4],
-    /// By each component of the traction of each corner: the same; empty without friction.
+    /// By each component of the traction of each corner: the same; empty without friction. With pressures of points by the traction over
+    /// the pressure, force.
     pub friction: [[Vec<f64>; 3]; 4],
-    /// ∫ N_A ∂g/∂x dA by the columns' nodes, length².
+    /// ∫ N_A ∂g/∂x dA by the columns' nodes, length². With pressures of points ∫ N_A ε ∂g/∂x dA.
     pub gradients: [Vec<f64>; 4],
+    /// What pressures of points exert on the rows' nodes, without friction.
+    pub pressed: Vec<f64>,
+    /// ∫ ε R ∂g/∂x dA, R the force at unit pressure with its friction: a row per coordinate of the rows' nodes. Empty without pressures of points.
+    pub by_gaps: Vec<f64>,
     /// ∂/∂x of ∫ N_A ∂g/∂x_s dA, x_s the points of the slave: three rows by the columns' nodes, length; empty without friction.
     pub normals: [Vec<f64>; 4],
     /// −∂R/∂x with pressures and tractions held, a row per coordinate of the rows' nodes; empty below Hessian mode.
@@ -191,6 +201,18 @@ struct Columns<'a> {
     weights: &'a [f64],
     /// Of the nodes of the contact's points, with the point and their part of it.
     masters: &'a [(Column<'a>, usize, f64)],
+}
+
+/// What a point has of its face.
+struct PointShare<'a> {
+    /// Its area.
+    weight: f64,
+    /// What each corner has of it.
+    areas: &'a [f64],
+    /// Its own pressure, if it has one.
+    own: Option<&'a NormalForce>,
+    /// ∂g/∂x by the columns.
+    gradient: &'a [(usize, Point)],
 }
 
 /// A force with its derivatives, and those of its line.
@@ -239,20 +261,28 @@ impl FaceBlock {
     ) -> Result<Self, InterfaceError> {
         let (rows, columns) = (3 * view.rows.len(), 3 * view.columns.len());
         let of_corners = |count: usize| std::array::from_fn(|_| vec![0.0; count]);
-        let mut directions = Vec::new();
-        if mode >= Mode::Hessian {
-            directions = memory.lock().unwrap_or_else(PoisonError::into_inner).pop().unwrap_or_default();
-            directions.clear();
+        let matrix = || {
+            let mut entries: Vec<f64> =
+                memory.lock().unwrap_or_else(PoisonError::into_inner).pop().unwrap_or_default();
+            entries.clear();
             let count = rows.saturating_mul(columns);
             // Blocks change hands: small ones must not keep the memory of large ones, until all have it.
-            if directions.capacity() > MOST_SPARE * count {
-                directions = Vec::new();
+            if entries.capacity() > MOST_SPARE * count {
+                entries = Vec::new();
             }
-            reserve(&mut directions, count)?;
-            directions.resize(rows * columns, 0.0);
+            reserve(&mut entries, count)?;
+            entries.resize(rows * columns, 0.0);
+            Ok::<_, InterfaceError>(entries)
+        };
+        let mut block = Self { gradients: of_corners(columns), ..Self::default() };
+        if view.pressures.is_empty() {
+            block.forces = of_corners(rows);
+        } else {
+            (block.pressed, block.by_gaps) = (vec![0.0; rows], matrix()?);
         }
-        let mut block =
-            Self { forces: of_corners(rows), gradients: of_corners(columns), directions, ..Self::default() };
+        if mode >= Mode::Hessian {
+            block.directions = matrix()?;
+        }
         if view.load.tractions.is_some() {
             block.friction = std::array::from_fn(|_| std::array::from_fn(|_| vec![0.0; rows]));
             if mode >= Mode::Hessian {
@@ -262,11 +292,11 @@ impl FaceBlock {
         Ok(block)
     }
 
-    /// Adds a point. `over`: what carries the forces of the facet over it.
+    /// Adds a point with this number. `over`: what carries the forces of the facet over it.
     pub fn add<'a>(
         &mut self,
         view: &FaceView<'a>,
-        point: &FacePoint,
+        (index, point): (usize, &FacePoint),
         over: &Carrying,
         contact: &PointContact<'_>,
         scratch: &mut PointScratch<'a>,
@@ -283,10 +313,12 @@ impl FaceBlock {
         columns.spread(contact.gradient, |place, by| gradient.push((place, by)));
         // What each corner has of the point's area.
         let areas = functions.map(|n| point.weight * n);
-        let of_corners = &areas[..view.facet.corners().len()];
-        self.add_gradient(of_corners, gradient);
+        let corners = view.facet.corners().len();
+        let own = view.pressures.get(index);
+        let gap_areas = own.map_or(areas, |own| areas.map(|area| area * own.stiffness));
+        self.add_gradient(&gap_areas[..corners], gradient);
         let (direction, by_along) = direction_along(along);
-        let (pressure, traction) = view.load.at(&functions);
+        let (pressure, traction) = view.load.at(&functions, own);
         let (needs_hessian, is_moved) = (!self.directions.is_empty(), traction.is_some());
         // The direction is along ∂g/∂x of the slave: its derivatives are the slave's rows of M.
         along_by_nodes.clear();
@@ -299,11 +331,16 @@ impl FaceBlock {
         // A pressure of one, and the traction that goes with it.
         let load = traction.map_or(direction, |traction| (Vector3::from(direction) + traction).into());
         let mode = if needs_hessian || is_moved { Mode::Gradient } else { Mode::Value };
+        if own.is_some_and(|own| !(own.force > 0.0)) {
+            // Only its normal counts.
+            return;
+        }
         let Some(force) = over.carried(view.positions, x, load, mode) else {
             self.missed += 1;
             return;
         };
-        self.add_forces(of_corners, carriers, &force, is_moved.then_some(direction));
+        let share = PointShare { weight: point.weight, areas: &areas[..corners], own, gradient };
+        self.add_forces(share, carriers, &force, is_moved.then_some(direction));
         if needs_hessian && pressure != 0.0 {
             let of_line = Line { force: &force, by_along: &by_along, along_by_nodes };
             let load = point.weight * pressure;
@@ -322,29 +359,42 @@ impl FaceBlock {
         }
     }
 
-    /// Adds a point's force to those of the corners: +N_a of it act on the nodes of the face, −N_k on those of the facet.
+    /// Adds a point's force: +N_a of it act on the nodes of the face, −N_k on those of the facet.
     /// `direction`: of the pressure, where friction moves the line of force away from it.
     fn add_forces(
         &mut self,
-        areas: &[f64],
+        PointShare { weight, areas, own, gradient }: PointShare<'_>,
         carriers: &[(usize, usize, f64)],
         force: &Carried,
         direction: Option<Point>,
     ) {
-        for (corner, area) in areas.iter().enumerate() {
-            for &(row, own, part) in carriers {
-                for axis in 0..3 {
-                    // Forces are linear in a traction and a pressure that grow together, not in either of them.
-                    let by_pressure = if let Some(direction) = direction {
-                        let by = &force.row(3 * own + axis)[3..6];
-                        for (sums, by) in self.friction[corner].iter_mut().zip(by) {
-                            sums[3 * row + axis] += area * part * by;
-                        }
-                        by.iter().zip(direction).map(|(by, d)| by * d).sum()
-                    } else {
-                        force.forces[own][axis]
-                    };
-                    self.forces[corner][3 * row + axis] += area * part * by_pressure;
+        let width = self.gradients[0].len();
+        let of_traction = own.map_or(1.0, |own| own.force);
+        for &(node, of, part) in carriers {
+            for axis in 0..3 {
+                let row = 3 * node + axis;
+                // Forces are linear in a traction and a pressure that grow together, not in either of them.
+                let by_pressure = if let Some(direction) = direction {
+                    let by = &force.row(3 * of + axis)[3..6];
+                    for (sums, area) in self.friction.iter_mut().zip(areas) {
+                        sums.iter_mut()
+                            .zip(by)
+                            .for_each(|(sums, by)| sums[row] += area * of_traction * part * by);
+                    }
+                    by.iter().zip(direction).map(|(by, d)| by * d).sum()
+                } else {
+                    force.forces[of][axis]
+                };
+                let Some(own) = own else {
+                    let corners = self.forces.iter_mut().zip(areas);
+                    corners.for_each(|(sums, area)| sums[row] += area * part * by_pressure);
+                    continue;
+                };
+                self.pressed[row] += weight * own.force * part * by_pressure;
+                let factor = weight * own.stiffness * part * force.forces[of][axis];
+                let entries = self.by_gaps[row * width..][..width].as_chunks_mut::<3>().0;
+                for &(place, by) in gradient {
+                    entries[place].iter_mut().zip(by).for_each(|(sum, by)| *sum += factor * by);
                 }
             }
         }

@@ -14,13 +14,16 @@ pub struct NodeContact {
     pub outcome: Outcome,
     /// ḡ_A = ∫ N_A g dA / ∫ N_A dA, length.
     pub gap: f64,
+    /// The smallest g of the points of the faces around it, length.
+    pub smallest_gap: f64,
     /// ∫ N_A dA over the points that lie over the master, length².
     pub area: f64,
     /// Mean unit normal of the master; zero without contact.
     pub normal: Point,
-    /// p_A ≥ 0, force per area.
+    /// p_A ≥ 0, force per area; where [points](super::FacePressures::Points) have pressures the average of theirs.
     pub pressure: f64,
-    /// −∂p_A/∂ḡ_A of a node in contact, force per length³: the penalty, but for a normal law of one's own.
+    /// −∂p_A/∂ḡ_A of a node in contact, force per length³: the penalty, but for a normal law of one's own. Where points have pressures
+    /// the average of their −∂p/∂g.
     pub stiffness: f64,
     /// t_A, friction on the slave, force per area; zero without friction or before there is a history.
     pub friction: Point,
@@ -38,6 +41,7 @@ impl NodeContact {
             slave,
             outcome: Outcome::None(reason),
             gap: 0.0,
+            smallest_gap: f64::INFINITY,
             area: 0.0,
             normal: [0.0; 3],
             pressure: 0.0,
@@ -57,6 +61,8 @@ impl NodeContact {
 /// A node that carries a pressure, with what follows from it: R = p_A F + Σ t_i W_i, ∂p_A/∂x = −ε G.
 #[derive(Clone, Debug)]
 pub(super) struct NodeBlock {
+    /// Its place among the slave's nodes.
+    pub node: usize,
     /// Nodes that forces act on, ascending.
     pub rows: Vec<u32>,
     /// Nodes that they depend on, ascending: the rows, too.
@@ -106,17 +112,41 @@ impl FrictionBlock {
 pub struct FaceContacts {
     pub(super) nodes: Vec<NodeContact>,
     pub(super) blocks: Vec<NodeBlock>,
-    pub(super) directions: Vec<DirectionBlock>,
+    pub(super) faces: Vec<FacePart>,
+    /// Of all points, if they have pressures of their own.
+    pub(super) pressures: Vec<f64>,
     pub(super) missed: usize,
     pub(super) mode: Mode,
 }
 
-/// What the directions of a face's forces add to the tangent: K = −∂R/∂x with the pressures held.
+/// What a face has that is not its nodes'.
 #[derive(Clone, Debug)]
-pub(super) struct DirectionBlock {
+pub(super) struct FacePart {
+    /// Its number.
+    pub face: usize,
+    /// Nodes that forces act on, ascending.
     pub rows: Vec<u32>,
+    /// Nodes that they depend on, ascending: the rows, too.
     pub columns: Vec<u32>,
-    pub entries: Vec<f64>,
+    /// ∫ p R dA by the rows' nodes without friction, with pressures of points; else empty.
+    pub pressed: Vec<f64>,
+    /// ∫ ε R ∂g/∂x dA, with pressures of points; else empty.
+    pub by_gaps: Vec<f64>,
+    /// What the directions of its forces add to the tangent: −∂R/∂x with the pressures held; empty below Hessian mode.
+    pub directions: Vec<f64>,
+}
+
+impl FacePart {
+    /// Its largest arrays.
+    pub fn into_memory(self) -> impl Iterator<Item = Vec<f64>> {
+        [self.by_gaps, self.directions].into_iter().filter(|entries| entries.capacity() > 0)
+    }
+
+    /// The parts of a tangent that are there.
+    pub fn tangents(&self, tangent: Tangent) -> impl Iterator<Item = &[f64]> {
+        let turning = Some(&self.directions).filter(|_| tangent == Tangent::Exact);
+        [Some(&self.by_gaps), turning].into_iter().flatten().map(Vec::as_slice).filter(|own| !own.is_empty())
+    }
 }
 
 /// A part of the tangent: a dense block.
@@ -132,8 +162,8 @@ pub struct TangentBlock<'a> {
 
 impl Default for FaceContacts {
     fn default() -> Self {
-        let (nodes, blocks, directions) = (Vec::new(), Vec::new(), Vec::new());
-        Self { nodes, blocks, directions, missed: 0, mode: Mode::Value }
+        let (nodes, blocks, faces, pressures) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
+        Self { nodes, blocks, faces, pressures, missed: 0, mode: Mode::Value }
     }
 }
 
@@ -176,17 +206,21 @@ impl FaceContacts {
             return Err(AssemblyError::OutputLength { what: "forces", found, expected });
         }
         self.check(dofs, Mode::Gradient)?;
-        for block in &self.blocks {
-            for (node, place) in block.rows.iter().zip(0..) {
+        let mut add = |rows: &[u32], force: &dyn Fn(usize) -> f64| {
+            for (node, place) in rows.iter().zip(0..) {
                 for axis in 0..3 {
                     let Some(equation) = dofs.equation(*node as usize, axis) else { continue };
-                    forces[equation] += block.force(3 * place + axis);
+                    forces[equation] += force(3 * place + axis);
                     if !forces[equation].is_finite() {
                         return Err(AssemblyError::Overflow { what: "forces", equation });
                     }
                 }
             }
-        }
+            Ok(())
+        };
+        self.blocks.iter().try_for_each(|block| add(&block.rows, &|row| block.force(row)))?;
+        let pressed = self.faces.iter().filter(|part| !part.pressed.is_empty());
+        pressed.into_iter().try_for_each(|part| add(&part.rows, &|row| part.pressed[row]))?;
         Ok(self.active())
     }
 
@@ -195,10 +229,10 @@ impl FaceContacts {
         if self.mode < needed && self.nodes.iter().any(|node| node.pressure > 0.0) {
             return Err(AssemblyError::NotDerived { needed, found: self.mode });
         }
-        // A block of each node that carries pressure.
-        let loaded = self.nodes.iter().enumerate().filter(|(_, node)| node.pressure > 0.0);
-        for ((element, _), block) in loaded.zip(&self.blocks) {
-            if let Some(&node) = block.columns.last().filter(|&&node| node as usize >= nodes) {
+        let of_nodes = self.blocks.iter().map(|block| (block.node, &block.columns));
+        let of_faces = self.faces.iter().map(|part| (part.face, &part.columns));
+        for (element, columns) in of_nodes.chain(of_faces) {
+            if let Some(&node) = columns.last().filter(|&&node| node as usize >= nodes) {
                 return Err(AssemblyError::UnknownNode { element, node: node as usize, nodes });
             }
         }
@@ -237,10 +271,8 @@ impl FaceContacts {
             }
             f(TangentBlock { rows: &block.rows, columns: &block.columns, entries: &entries });
         }
-        if tangent == Tangent::Exact {
-            for DirectionBlock { rows, columns, entries } in &self.directions {
-                f(TangentBlock { rows, columns, entries });
-            }
+        for part @ FacePart { rows, columns, .. } in &self.faces {
+            part.tangents(tangent).for_each(|entries| f(TangentBlock { rows, columns, entries }));
         }
         Ok(())
     }

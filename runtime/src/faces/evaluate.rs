@@ -5,13 +5,14 @@ use std::sync::Mutex;
 use rayon::prelude::*;
 
 use super::block::{FaceBlock, FaceLoad, FacePlaces, FaceView, PointContact, PointScratch};
-use super::contacts::{DirectionBlock, FaceContacts, FrictionBlock, NodeBlock, NodeContact};
+use super::contacts::{FaceContacts, FacePart, FrictionBlock, NodeBlock, NodeContact};
 use super::cut::FacePoint;
 use super::friction::Traction;
 use super::track::Track;
-use super::{FaceCut, FaceInterface, sort};
+use super::{FaceCut, FaceInterface, FacePressures, sort};
 use crate::Mode;
-use crate::assembly::ContactLaw;
+use crate::assembly::{AssemblyError, ContactLaw};
+use crate::friction::NormalForce;
 use crate::interface::{ContactRef, InterfaceError, NoContact, Outcome, Results, Second};
 use crate::neighbourhood::Fallback;
 use crate::surface::{Facet, shape_of};
@@ -30,9 +31,27 @@ pub(super) struct Averages {
     pub nodes: Vec<NodeContact>,
     /// The average of ∂g/∂x of each node's points, if asked for.
     pub normals: Vec<Vector3>,
-    /// Of each point whether it has a contact.
-    pub is_contact: Vec<bool>,
+    pub points: PointStates,
 }
+
+/// What the first look finds at each point.
+#[derive(Default)]
+pub(super) struct PointStates {
+    /// Whether it has a contact.
+    is_contact: Vec<bool>,
+    /// Its own pressure and −∂p/∂g; empty where pressures are those of the nodes.
+    pub pressures: Vec<NormalForce>,
+}
+
+impl PointStates {
+    /// Whether it takes part in what a face adds. `counts`: even without pressure, with its gap and its normal.
+    fn takes_part(&self, k: usize, counts: bool) -> bool {
+        self.is_contact[k] && (counts || self.pressures.get(k).is_none_or(|own| own.force > 0.0))
+    }
+}
+
+/// The corners of a face among the slave's nodes; `None` of a node that is none.
+type Places = [Option<usize>; 4];
 
 impl FaceInterface {
     /// Hands over each point with the number of its face, the shape functions of the face's corners, and its contact.
@@ -71,16 +90,30 @@ impl FaceInterface {
         let mut nodes: Vec<NodeContact> = self.nodes.iter().enumerate().map(blank).collect();
         let (mode, normals) = if has_normals { (Mode::Gradient, nodes.len()) } else { (Mode::Value, 0) };
         let mut normals = vec![Vector3::zeros(); normals];
-        let mut is_contact = Vec::with_capacity(self.points.len());
+        let is_by_points = self.options.pressures == FacePressures::Points;
+        let mut points = PointStates::default();
+        points.is_contact.reserve(self.points.len());
         // A face's points come one after another.
-        let mut corners = (usize::MAX, [None; 4]);
+        let mut corners: (usize, Places) = (usize::MAX, [None; 4]);
+        let mut failed = None;
         self.for_each_point(mode, |face, point, functions, contact| {
-            is_contact.push(contact.outcome.is_contact());
+            let is_contact = contact.outcome.is_contact();
+            points.is_contact.push(is_contact);
             if corners.0 != face {
                 corners = (face, [None; 4]);
                 let found =
                     self.faces[face].corners().iter().map(|corner| self.nodes.binary_search(corner).ok());
                 corners.1.iter_mut().zip(found).for_each(|(place, found)| *place = found);
+            }
+            let mut own = NormalForce { force: 0.0, stiffness: 0.0 };
+            if is_by_points {
+                if is_contact {
+                    match point_pressure(law, &corners.1, &functions, contact.point.gap) {
+                        Ok(found) => own = found,
+                        Err(error) => failed = failed.take().or(Some(error)),
+                    }
+                }
+                points.pressures.push(own);
             }
             for (place, n) in corners.1.into_iter().zip(functions) {
                 let Some(place) = place else { continue };
@@ -94,6 +127,9 @@ impl FaceInterface {
                         }
                         node.area += weight;
                         node.gap += weight * contact.point.gap;
+                        node.smallest_gap = node.smallest_gap.min(contact.point.gap);
+                        node.pressure += weight * own.force;
+                        node.stiffness += weight * own.stiffness;
                         for axis in 0..3 {
                             node.normal[axis] += weight * contact.point.normal[axis];
                         }
@@ -106,10 +142,13 @@ impl FaceInterface {
                 }
             }
         })?;
+        if let Some(error) = failed {
+            return Err(error.into());
+        }
         for (k, node) in nodes.iter_mut().enumerate() {
             *node = self.average(k, *node, normals.get_mut(k), law)?;
         }
-        Ok(Averages { nodes, normals, is_contact })
+        Ok(Averages { nodes, normals, points })
     }
 
     /// The average at a node from the sums over its points, and its pressure. `normal`: the sum of ∂g/∂x.
@@ -131,7 +170,17 @@ impl FaceInterface {
                 }
                 reason => reason,
             };
-            return Ok(NodeContact { outcome, gap: 0.0, area: 0.0, normal: [0.0; 3], ..sums });
+            let smallest_gap = f64::INFINITY;
+            return Ok(NodeContact {
+                outcome,
+                gap: 0.0,
+                smallest_gap,
+                area: 0.0,
+                normal: [0.0; 3],
+                pressure: 0.0,
+                stiffness: 0.0,
+                ..sums
+            });
         }
         if let Some(normal) = normal {
             *normal = *normal / sums.area;
@@ -139,8 +188,13 @@ impl FaceInterface {
         let gap = sums.gap / sums.area;
         let normal = Vector3::from(sums.normal).try_normalize().filter(Vector3::is_finite);
         let normal = normal.unwrap_or_default().into();
-        let normal_force = law.checked_normal_force(k, gap, 1.0)?;
-        let (pressure, stiffness) = (normal_force.force, normal_force.stiffness);
+        let (pressure, stiffness) = match self.options.pressures {
+            FacePressures::Nodes => {
+                let NormalForce { force, stiffness } = law.checked_normal_force(k, gap, 1.0)?;
+                (force, stiffness)
+            }
+            FacePressures::Points => (sums.pressure / sums.area, sums.stiffness / sums.area),
+        };
         Ok(NodeContact { gap, normal, pressure, stiffness, ..sums })
     }
 
@@ -148,17 +202,21 @@ impl FaceInterface {
     pub(super) fn derive(
         &self,
         mode: Mode,
-        (is_contact, tractions): (&[bool], &[Option<Traction>]),
+        (points, tractions): (&PointStates, &[Option<Traction>]),
         contacts: &mut FaceContacts,
-        earlier: Vec<DirectionBlock>,
+        earlier: Vec<FacePart>,
     ) -> Result<(), InterfaceError> {
+        let is_by_points = self.options.pressures == FacePressures::Points;
         let load = |face: &Facet| {
             let mut load = FaceLoad::default();
             for (corner, node) in face.corners().iter().enumerate() {
                 let Ok(place) = self.nodes.binary_search(node) else { continue };
-                load.pressures[corner] = contacts.nodes[place].pressure;
+                let pressure = contacts.nodes[place].pressure;
+                load.pressures[corner] = pressure;
                 if let Some(Some(traction)) = tractions.get(place) {
-                    load.tractions.get_or_insert_default()[corner] = traction.value;
+                    let value =
+                        if is_by_points { traction.value.map(|t| t / pressure) } else { traction.value };
+                    load.tractions.get_or_insert_default()[corner] = value;
                 }
             }
             load
@@ -167,32 +225,37 @@ impl FaceInterface {
         let is_loaded =
             |k: &usize| !self.cuts[*k].points.is_empty() && loads[*k].pressures.iter().any(|&p| p > 0.0);
         let loaded: Vec<usize> = (0..self.faces.len()).filter(is_loaded).collect();
-        let memory = Mutex::new(earlier.into_iter().rev().map(|block| block.entries).collect());
+        let memory = Mutex::new(earlier.into_iter().rev().flat_map(FacePart::into_memory).collect());
         let blocks: Vec<Vec<FaceBlock>> = self
             .runs(&loaded)
             .into_par_iter()
-            .map(|faces| self.blocks(faces, mode, (&loads, is_contact), &memory))
+            .map(|faces| self.blocks(faces, mode, (&loads, points), &memory))
             .collect::<Result<_, _>>()?;
         let mut of_face: Vec<Option<FaceBlock>> = vec![None; self.faces.len()];
         for (&k, block) in loaded.iter().zip(blocks.into_iter().flatten()) {
             contacts.missed += block.missed;
             of_face[k] = Some(block);
         }
+        // What points press with is the faces'.
+        let has_block = |k: usize| !is_by_points || matches!(tractions.get(k), Some(Some(_)));
+        let nodes = contacts.nodes.iter().copied().enumerate();
         let carrying: Vec<(usize, NodeContact)> =
-            contacts.nodes.iter().copied().enumerate().filter(|(_, node)| node.pressure > 0.0).collect();
+            nodes.filter(|(k, node)| node.pressure > 0.0 && has_block(*k)).collect();
         contacts.blocks = carrying
             .into_par_iter()
             .map(|(k, node)| {
                 let traction = tractions.get(k).and_then(Option::as_ref);
-                self.node_block(k, &node, mode, traction, &of_face)
+                let by_pressure = traction.filter(|_| is_by_points).map(|own| own.over(node.pressure));
+                self.node_block(k, &node, mode, by_pressure.as_ref().or(traction), &of_face)
             })
             .collect();
-        if mode >= Mode::Hessian {
-            contacts.directions = loaded
+        if mode >= Mode::Hessian || is_by_points {
+            contacts.faces = loaded
                 .iter()
-                .filter_map(|&k| {
-                    let FaceCut { rows, columns, .. } = self.cuts[k].clone();
-                    Some(DirectionBlock { rows, columns, entries: of_face[k].take()?.directions })
+                .filter_map(|&face| {
+                    let FaceCut { rows, columns, .. } = self.cuts[face].clone();
+                    let FaceBlock { pressed, by_gaps, directions, .. } = of_face[face].take()?;
+                    Some(FacePart { face, rows, columns, pressed, by_gaps, directions })
                 })
                 .collect();
         }
@@ -214,7 +277,7 @@ impl FaceInterface {
             .collect()
     }
 
-    fn view(&self, face: usize, load: FaceLoad) -> FaceView<'_> {
+    fn view<'a>(&'a self, face: usize, load: FaceLoad, pressures: &'a [NormalForce]) -> FaceView<'a> {
         let (FaceCut { rows, columns, .. }, carrying) = (&self.cuts[face], &self.carriers.faces[face]);
         FaceView {
             facet: &self.faces[face],
@@ -227,6 +290,7 @@ impl FaceInterface {
             rows,
             columns,
             load,
+            pressures,
             places: FacePlaces::new(&self.skin, face, carrying, rows, columns),
         }
     }
@@ -236,15 +300,20 @@ impl FaceInterface {
         &self,
         faces: &[usize],
         mode: Mode,
-        (loads, is_contact): (&[FaceLoad], &[bool]),
+        (loads, states): (&[FaceLoad], &PointStates),
         memory: &Mutex<Vec<Vec<f64>>>,
     ) -> Result<Vec<FaceBlock>, InterfaceError> {
-        let views: Vec<FaceView<'_>> = faces.iter().map(|&k| self.view(k, loads[k])).collect();
+        let views: Vec<FaceView<'_>> =
+            faces.iter().map(|&k| self.view(k, loads[k], &states.pressures)).collect();
         let mut blocks: Vec<FaceBlock> =
             views.iter().map(|view| FaceBlock::new(view, mode, memory)).collect::<Result<_, _>>()?;
         let mut scratch = PointScratch::default();
-        let points = faces.iter().flat_map(|&k| self.cuts[k].points.clone());
-        let present: Vec<usize> = points.filter(|&k| is_contact[k]).collect();
+        // The normal of a traction is that of all points around its node.
+        let turns = |&face: &usize| mode >= Mode::Hessian && loads[face].tractions.is_some();
+        let points =
+            faces.iter().flat_map(|face| self.cuts[*face].points.clone().map(move |k| (k, turns(face))));
+        let present: Vec<usize> =
+            points.filter(|&(k, counts)| states.takes_part(k, counts)).map(|(k, _)| k).collect();
         let second = if mode >= Mode::Hessian { Second::SlaveRows } else { Second::None };
         let found = self.interface.linearise_slaves(&present, second)?;
         let (mut own, mut rest) = (0, &found.points[..]);
@@ -268,7 +337,7 @@ impl FaceInterface {
             };
             let point = &self.points[contact.index];
             let over = &self.carriers.facets[point.facet as usize];
-            blocks[own].add(&views[own], point, over, &by_contact, &mut scratch);
+            blocks[own].add(&views[own], (contact.index, point), over, &by_contact, &mut scratch);
         }
         Ok(blocks)
     }
@@ -304,6 +373,7 @@ impl FaceInterface {
         traction: Option<&Traction>,
         of_face: &[Option<FaceBlock>],
     ) -> NodeBlock {
+        let is_by_points = self.options.pressures == FacePressures::Points;
         let faces = || {
             self.around[k].iter().filter_map(|&face| Some((face as usize, of_face[face as usize].as_ref()?)))
         };
@@ -327,10 +397,11 @@ impl FaceInterface {
                 gradients: std::array::from_fn(|_| of(columns.len())),
                 turning: Default::default(),
             }),
+            node: k,
             rows,
             columns,
-            pressure: node.pressure,
-            stiffness: node.stiffness,
+            pressure: if is_by_points { 0.0 } else { node.pressure },
+            stiffness: if is_by_points { 0.0 } else { node.stiffness },
         };
         // ∂n/∂x, three rows.
         let turns = traction.is_some() && mode >= Mode::Hessian;
@@ -339,7 +410,9 @@ impl FaceInterface {
             let corner = self.faces[face].corners().iter().position(|&corner| corner == node.slave);
             let Some(corner) = corner else { continue };
             let cut = &self.cuts[face];
-            add(&sums.rows, &mut sums.forces, &cut.rows, &block.forces[corner], 1.0);
+            if !is_by_points {
+                add(&sums.rows, &mut sums.forces, &cut.rows, &block.forces[corner], 1.0);
+            }
             add(&sums.columns, &mut sums.gradient, &cut.columns, &block.gradients[corner], 1.0 / node.area);
             if let Some(friction) = &mut sums.friction {
                 for (sum, own) in friction.forces.iter_mut().zip(&block.friction[corner]) {
@@ -352,7 +425,8 @@ impl FaceInterface {
             }
         }
         if let (Some(traction), Some(track)) = (traction, track) {
-            sums.derive_friction(traction, track, &normals);
+            // By points G is −∂p_A/∂x.
+            sums.derive_friction(traction, track, if is_by_points { 1.0 } else { node.stiffness }, &normals);
         }
         sums
     }
@@ -360,10 +434,11 @@ impl FaceInterface {
 
 impl NodeBlock {
     /// The chain rule: the traction by pressure, normal and way; those by the nodes. `normals`: ∂n/∂x, if the tangent needs it.
-    fn derive_friction(&mut self, traction: &Traction, track: &Track, normals: &[Vec<f64>]) {
+    /// `stiffness`: −∂p_A/∂ḡ_A of the gap that G is the gradient of.
+    fn derive_friction(&mut self, traction: &Traction, track: &Track, stiffness: f64, normals: &[Vec<f64>]) {
         let Some(friction) = &mut self.friction else { return };
         for (i, row) in friction.gradients.iter_mut().enumerate() {
-            let by_gap = -self.stiffness * traction.by_pressure[i];
+            let by_gap = -stiffness * traction.by_pressure[i];
             row.iter_mut().zip(&self.gradient).for_each(|(sum, by)| *sum += by_gap * by);
             if !normals.is_empty() {
                 let row = &mut friction.turning[i];
@@ -382,6 +457,19 @@ impl NodeBlock {
             }
         }
     }
+}
+
+/// The pressure at a point of a face; a law of one's own is asked for that of the nearest corner.
+fn point_pressure(
+    law: &ContactLaw<'_>,
+    places: &Places,
+    functions: &[f64; 4],
+    gap: f64,
+) -> Result<NormalForce, AssemblyError> {
+    let own = places.iter().zip(functions).filter_map(|(place, n)| Some(((*place)?, *n)));
+    let nearest = own.max_by(|(_, one), (_, other)| one.total_cmp(other));
+    let found = law.checked_normal_force(nearest.map_or(0, |(place, _)| place), gap, 1.0)?;
+    Ok(NormalForce { stiffness: if found.force > 0.0 { found.stiffness } else { 0.0 }, ..found })
 }
 
 /// Adds a vector over some of the nodes.

@@ -44,6 +44,21 @@ pub(super) struct Traction {
     sliding: Sliding,
 }
 
+impl Traction {
+    /// τ = t/p by the same and by the pressure: what points of their own pressure have of it.
+    pub fn over(&self, pressure: f64) -> Self {
+        let over = |x: f64| x / pressure;
+        let value = self.value.map(over);
+        Self {
+            value,
+            by_way: self.by_way.map(|row| row.map(over)),
+            by_normal: self.by_normal.map(|row| row.map(over)),
+            by_pressure: [0, 1, 2].map(|i| over(self.by_pressure[i] - value[i])),
+            ..self.clone()
+        }
+    }
+}
+
 /// What the points of a face have of x_A and y_A of its corners.
 struct FaceTrack {
     /// ∫ N_A dA
@@ -150,10 +165,7 @@ impl FaceInterface {
         if law.friction.is_none() && self.tracks.is_none() {
             return Ok(FrictionReport::default());
         }
-        law.validate(self.nodes.len())?;
-        if self.cut_at.is_none() {
-            return Err(InterfaceError::NotRefreshed);
-        }
+        self.check_law(law)?;
         let history = self.present_history();
         let Averages { mut nodes, normals, .. } = self.averages(law, true)?;
         let present = self.present_tracks()?;

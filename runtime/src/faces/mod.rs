@@ -99,6 +99,31 @@ use crate::{Mode, Point};
 /// the order of its square, of the master's end of its first.
 const HELD: f64 = 1e-5;
 
+/// Where the pressure follows from the gap.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum FacePressures {
+    /// At the slave's nodes, from the average gap around each: no more unknown pressures than the slave has nodes, so that a stiff penalty
+    /// leaves them smooth.
+    #[default]
+    Nodes,
+    /// At each integration point, from its own gap: for faces that touch with a small part of themselves, as coarse ones do on a small
+    /// radius. A stiff penalty makes pressures rough.
+    Points,
+}
+
+impl FacePressures {
+    /// Both.
+    pub const ALL: [Self; 2] = [Self::Nodes, Self::Points];
+
+    /// Its name, as decks and Python have it.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Nodes => "nodes",
+            Self::Points => "points",
+        }
+    }
+}
+
 /// How a [`FaceInterface`] integrates.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
@@ -109,18 +134,26 @@ pub struct FaceOptions {
     /// Points of each piece of a face. Between a face and a facet of which one belongs to a quadrilateral of second order it is
     /// [`FaceRule::Fourth`] always.
     pub rule: FaceRule,
+    /// Where pressures follow from gaps.
+    pub pressures: FacePressures,
 }
 
 impl FaceOptions {
-    /// With the rule of second degree.
+    /// With the rule of second degree, and pressures of nodes.
     pub fn new(interface: InterfaceOptions) -> Self {
-        Self { interface, rule: FaceRule::default() }
+        Self { interface, rule: FaceRule::default(), pressures: FacePressures::default() }
     }
 
     /// With this rule.
     #[must_use]
     pub const fn with_rule(self, rule: FaceRule) -> Self {
         Self { rule, ..self }
+    }
+
+    /// With pressures of these.
+    #[must_use]
+    pub const fn with_pressures(self, pressures: FacePressures) -> Self {
+        Self { pressures, ..self }
     }
 }
 
@@ -206,6 +239,11 @@ impl FaceInterface {
     /// The options.
     pub const fn options(&self) -> &FaceOptions {
         &self.options
+    }
+
+    /// From the next evaluation on with pressures of these.
+    pub const fn set_pressures(&mut self, pressures: FacePressures) {
+        self.options.pressures = pressures;
     }
 
     /// The master surface.
@@ -479,23 +517,32 @@ impl FaceInterface {
     /// [`Mode::Hessian`] the exact tangent. The law's penalty is per area, and so are its multipliers: pressures, one per node.
     ///
     /// # Errors
-    /// [`InterfaceError::NotRefreshed`] before the first refresh or update; [`InterfaceError::Law`]; [`InterfaceError::OutOfMemory`], after
-    /// which there are no contacts. A law with friction needs a state that was [accepted](Self::accept) before nodes carry pressure.
+    /// [`InterfaceError::NotRefreshed`] before the first refresh or update; [`InterfaceError::Law`]; [`InterfaceError::PointMultipliers`];
+    /// [`InterfaceError::OutOfMemory`], after which there are no contacts. A law with friction needs a state that was [accepted](Self::accept) before nodes carry pressure.
     pub fn evaluate(&mut self, law: &ContactLaw<'_>, mode: Mode) -> Result<&FaceContacts, InterfaceError> {
-        law.validate(self.nodes.len())?;
-        if self.cut_at.is_none() {
-            return Err(InterfaceError::NotRefreshed);
-        }
-        let Averages { mut nodes, normals, is_contact } = self.averages(law, law.friction.is_some())?;
+        self.check_law(law)?;
+        let Averages { mut nodes, normals, points } = self.averages(law, law.friction.is_some())?;
         let tractions = self.tractions(law, &mut nodes, &normals)?;
         let mut contacts = FaceContacts { nodes, mode, missed: self.unplaced, ..FaceContacts::default() };
         if mode >= Mode::Gradient {
             // In the memory of the last evaluation: new pages would take as long as their numbers.
-            let earlier = std::mem::take(&mut self.contacts).directions;
-            self.derive(mode, (&is_contact, &tractions), &mut contacts, earlier)?;
+            let earlier = std::mem::take(&mut self.contacts).faces;
+            self.derive(mode, (&points, &tractions), &mut contacts, earlier)?;
         }
+        contacts.pressures = points.pressures.iter().map(|own| own.force).collect();
         self.contacts = contacts;
         Ok(&self.contacts)
+    }
+}
+
+impl FaceInterface {
+    /// Whether the law can be evaluated now.
+    fn check_law(&self, law: &ContactLaw<'_>) -> Result<(), InterfaceError> {
+        law.validate(self.nodes.len())?;
+        if self.options.pressures == FacePressures::Points && law.multipliers.is_some() {
+            return Err(InterfaceError::PointMultipliers);
+        }
+        if self.cut_at.is_none() { Err(InterfaceError::NotRefreshed) } else { Ok(()) }
     }
 }
 

@@ -19,9 +19,9 @@ pub struct IntegrationPoint {
     pub gap: f64,
     /// Unit normal of the master.
     pub normal: Point,
-    /// p = Σ N_A p_A ≥ 0, force per area.
+    /// p = Σ N_A p_A ≥ 0, or its own where [points](super::FacePressures::Points) have one, force per area.
     pub pressure: f64,
-    /// t = Σ N_A t_A, friction on the slave, force per area.
+    /// t = Σ N_A t_A, or p Σ N_A t_A / p_A, friction on the slave, force per area.
     pub friction: Point,
 }
 
@@ -37,7 +37,9 @@ impl FaceInterface {
             return Err(InterfaceError::NotRefreshed);
         }
         let mut points = Vec::with_capacity(self.report.paired);
+        let mut own = self.contacts.pressures.iter();
         self.for_each_point(Mode::Value, |face, point, functions, contact| {
+            let own = own.next().copied();
             if !contact.outcome.is_contact() {
                 return;
             }
@@ -46,9 +48,13 @@ impl FaceInterface {
             for (corner, n) in corners.iter().zip(functions) {
                 let place = self.nodes.binary_search(corner).ok();
                 if let Some(node) = place.and_then(|place| self.contacts.nodes().get(place)) {
+                    let share = if own.is_some() && node.pressure > 0.0 { 1.0 / node.pressure } else { 1.0 };
                     pressure += n * node.pressure;
-                    friction += Vector3::from(node.friction) * n;
+                    friction += Vector3::from(node.friction) * (n * share);
                 }
+            }
+            if let Some(own) = own {
+                (pressure, friction) = (own, friction * own);
             }
             points.push(IntegrationPoint {
                 face,

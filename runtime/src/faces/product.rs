@@ -2,7 +2,7 @@
 
 use rayon::prelude::*;
 
-use super::contacts::{DirectionBlock, FaceContacts, NodeBlock};
+use super::contacts::{FaceContacts, FacePart, NodeBlock};
 use crate::Mode;
 use crate::assembly::{AssemblyError, DofMap, Tangent};
 
@@ -48,10 +48,10 @@ impl FaceContacts {
             .blocks
             .par_iter()
             .map(|block| Part { rows: &block.rows, sums: block.multiply(tangent, &moves(&block.columns)) });
-        let turns = if tangent == Tangent::Exact { &self.directions[..] } else { &[] };
-        let of_faces = turns
+        let of_faces = self
+            .faces
             .par_iter()
-            .map(|block| Part { rows: &block.rows, sums: block.multiply(&moves(&block.columns)) });
+            .map(|part| Part { rows: &part.rows, sums: part.multiply(tangent, &moves(&part.columns)) });
         let parts: Vec<Part<'_>> = of_nodes.chain(of_faces).collect();
         for Part { rows, sums } in parts {
             for (&node, sums) in rows.iter().zip(sums.as_chunks::<3>().0) {
@@ -83,9 +83,14 @@ impl NodeBlock {
     }
 }
 
-impl DirectionBlock {
-    fn multiply(&self, v: &[f64]) -> Vec<f64> {
-        self.entries.chunks_exact(v.len().max(1)).map(|row| dot(row, v)).collect()
+impl FacePart {
+    fn multiply(&self, tangent: Tangent, v: &[f64]) -> Vec<f64> {
+        let mut sums = vec![0.0; 3 * self.rows.len()];
+        for entries in self.tangents(tangent) {
+            let rows = sums.iter_mut().zip(entries.chunks_exact(v.len().max(1)));
+            rows.for_each(|(sum, row)| *sum += dot(row, v));
+        }
+        sums
     }
 }
 

@@ -48,10 +48,11 @@ fn interface(pair: &Pair, element: ContactElement, faces: &[QuadraticFace]) -> F
 
 #[test]
 fn forces_and_moments_balance_with_friction() {
-    for element in elements() {
+    for (element, pressures) in pairs(elements(), FacePressures::ALL) {
         for triangles in [false, true] {
             let pair = bumps(triangles);
             let mut interface = interface(&pair, element, &[]);
+            interface.set_pressures(pressures);
             let without = interface.evaluate(&ContactLaw::penalty(50.0), Mode::Gradient).unwrap().clone();
             let contacts = interface.evaluate(&law(), Mode::Gradient).unwrap();
             let forces = pair.forces(contacts);
@@ -69,12 +70,19 @@ fn the_tangent_with_friction_is_exact_with_the_points_held() {
     let all = elements().into_iter().enumerate().map(|(k, element)| (element, k % 2 == 1));
     for (element, triangles) in all.chain([(ContactElement::NodeToFacet, false)]) {
         let pair = bumps(triangles);
-        assert_tangent_at(&pair, &mut interface(&pair, element, &[]), &law(), &moved(&pair, 1.0), 43);
+        let mut own = interface(&pair, element, &[]);
+        for pressures in FacePressures::ALL {
+            own.set_pressures(pressures);
+            assert_tangent_at(&pair, &mut own, &law(), &moved(&pair, 1.0), 43);
+        }
     }
     for second in Second::ALL {
         let (pair, faces) = bumps_of_second_order(second);
         let mut own = interface(&pair, ContactElement::default(), &faces);
-        assert_tangent_at(&pair, &mut own, &law(), &moved(&pair, 1.0), 43);
+        for pressures in FacePressures::ALL {
+            own.set_pressures(pressures);
+            assert_tangent_at(&pair, &mut own, &law(), &moved(&pair, 1.0), 43);
+        }
     }
 }
 

@@ -91,16 +91,29 @@ impl Pair {
 
     /// Forces and moments of contact add up to nothing.
     fn assert_balance(&self, forces: &[Point]) {
+        self.assert_balance_of(forces, 5.0);
+    }
+
+    /// The same of more force than this.
+    fn assert_balance_of(&self, forces: &[Point], least: f64) {
         let size: f64 = forces.iter().map(|&force| Vector3::from(force).norm()).sum();
         let zero = Vector3::zeros();
         let force = forces.iter().fold(zero, |sum, &force| sum + Vector3::from(force));
         let moments = forces.iter().zip(&self.positions);
         let moment = moments.fold(zero, |sum, (&f, &x)| sum + Vector3::from(x).cross(&Vector3::from(f)));
         assert!(
-            size > 5.0 && force.norm() < 1e-13 * size && moment.norm() < 1e-12 * size,
+            size > least && force.norm() < 1e-13 * size && moment.norm() < 1e-12 * size,
             "{force:?} {moment:?}"
         );
     }
+}
+
+/// Each of one with each of the other.
+fn pairs<T: Copy, U: Copy>(
+    one: impl IntoIterator<Item = T>,
+    other: impl IntoIterator<Item = U> + Clone,
+) -> impl Iterator<Item = (T, U)> {
+    one.into_iter().flat_map(move |a| other.clone().into_iter().map(move |b| (a, b)))
 }
 
 fn elements() -> Vec<ContactElement> {
@@ -120,8 +133,9 @@ fn a_uniform_pressure_arrives_at_both_sides() {
             };
             let (of_master, of_slave) = (areas(&pair.master), areas(&pair.slave));
             for element in elements() {
-                for rule in FaceRule::ALL {
+                for (rule, pressures) in pairs(FaceRule::ALL, FacePressures::ALL) {
                     let mut interface = pair.interface(element, rule);
+                    interface.set_pressures(pressures);
                     let report = interface.refresh(&pair.positions).unwrap();
                     assert_eq!((report.faces, report.paired), (pair.slave.len(), report.points));
                     let contacts = interface.evaluate(&ContactLaw::penalty(50.0), Mode::Gradient).unwrap();
@@ -131,7 +145,7 @@ fn a_uniform_pressure_arrives_at_both_sides() {
                         for axis in 0..3 {
                             assert!(
                                 (force[axis] - expected[axis]).abs() < 1e-12,
-                                "{node} {force:?} {expected:?} {element:?} {rule:?}"
+                                "{node} {force:?} {expected:?} {element:?} {rule:?} {pressures:?}"
                             );
                         }
                     }
@@ -166,10 +180,11 @@ fn forces_and_moments_balance() {
     interface.refresh(&pair.positions).unwrap();
     let law = ContactLaw::penalty(200.0);
     pair.assert_balance(&pair.forces(interface.evaluate(&law, Mode::Gradient).unwrap()));
-    for element in elements() {
+    for (element, pressures) in pairs(elements(), FacePressures::ALL) {
         for triangles in [false, true] {
             let pair = bumps(triangles);
             let mut interface = pair.interface(element, FaceRule::Second);
+            interface.set_pressures(pressures);
             interface.refresh(&pair.positions).unwrap();
             let contacts = interface.evaluate(&ContactLaw::penalty(50.0), Mode::Gradient).unwrap();
             assert!(contacts.active() > 8 && contacts.active() < pair.positions.len() - pair.first_slave);
@@ -243,8 +258,7 @@ fn bumps_of_second_order(second: Second) -> (Pair, Vec<QuadraticFace>) {
 /// Curved faces carry what is on their line of force.
 #[test]
 fn forces_and_moments_of_faces_of_second_order_balance() {
-    for (element, second) in elements().into_iter().flat_map(|element| Second::ALL.map(|own| (element, own)))
-    {
+    for (element, second) in pairs(elements(), Second::ALL) {
         let (pair, faces) = bumps_of_second_order(second);
         let mut interface = pair.interface(element, FaceRule::Second);
         let of_facets = interface.refresh(&pair.positions).map(|_| ()).and_then(|()| {
@@ -258,6 +272,9 @@ fn forces_and_moments_of_faces_of_second_order_balance() {
         let forces = pair.forces(contacts);
         assert_ne!(of_facets.unwrap(), forces);
         pair.assert_balance(&forces);
+        interface.set_pressures(FacePressures::Points);
+        let of_points = interface.evaluate(&ContactLaw::penalty(50.0), Mode::Gradient).unwrap();
+        pair.assert_balance(&pair.forces(of_points));
     }
     let (pair, _) = bumps_of_second_order(Second::Triangle6);
     let mut interface = pair.interface(ContactElement::default(), FaceRule::Second);
@@ -286,7 +303,10 @@ fn assert_tangent(pair: &Pair, element: ContactElement, faces: &[QuadraticFace])
     let mut interface = pair.interface(element, FaceRule::Second);
     interface.set_quadratic_faces(faces).unwrap();
     interface.refresh(&pair.positions).unwrap();
-    assert_tangent_at(pair, &mut interface, &ContactLaw::penalty(50.0), &pair.positions, 31);
+    for pressures in FacePressures::ALL {
+        interface.set_pressures(pressures);
+        assert_tangent_at(pair, &mut interface, &ContactLaw::penalty(50.0), &pair.positions, 31);
+    }
 }
 
 /// Both bumps as one surface in contact with itself, made while they were apart: each is integrated over the other.
@@ -308,7 +328,10 @@ fn the_tangent_of_self_contact_is_exact_with_the_points_held() {
         let (low, high): (Vec<bool>, Vec<bool>) = sides.partition(|&is_low| is_low);
         assert!(low.len() > 8 && high.len() > 8);
         pair.assert_balance(&pair.forces(interface.contacts()));
-        assert_tangent_at(&pair, &mut interface, &law, &pair.positions, 13);
+        for pressures in FacePressures::ALL {
+            interface.set_pressures(pressures);
+            assert_tangent_at(&pair, &mut interface, &law, &pair.positions, 13);
+        }
     }
 }
 
@@ -323,6 +346,7 @@ fn assert_tangent_at(
     let dofs = DofMap::standard(positions.len());
     let size = dofs.equations();
     let mut dense = vec![0.0; size * size];
+    interface.update(positions).unwrap();
     let contacts = interface.evaluate(law, Mode::Hessian).unwrap().clone();
     contacts
         .for_each_tangent(Tangent::Exact, |block| {

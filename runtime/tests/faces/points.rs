@@ -51,10 +51,11 @@ fn points_of_flat_faces_have_the_uniform_pressure() {
 /// Shape functions add up to one: what the points integrate is what the nodes do.
 #[test]
 fn points_integrate_to_what_nodes_carry() {
-    for element in elements() {
+    for (element, pressures) in pairs(elements(), FacePressures::ALL) {
         for triangles in [false, true] {
             let pair = bumps(triangles);
             let mut interface = pair.interface(element, FaceRule::Fourth);
+            interface.set_pressures(pressures);
             let law = ContactLaw::penalty(50.0).with_friction(Some(Coulomb::new(0.3, 60.0).unwrap()));
             interface.refresh(&pair.positions).unwrap();
             interface.accept(&law).unwrap();
@@ -69,4 +70,42 @@ fn points_integrate_to_what_nodes_carry() {
             }
         }
     }
+}
+
+/// A cylinder that touches a face in its middle only: the average gap is open, while its points carry what the penalty says of a
+/// parabola.
+#[test]
+fn points_of_their_own_pressure_carry_what_averages_miss() {
+    const RADIUS: f64 = 30.0;
+    const DEPTH: f64 = 0.01;
+    let low = |x: f64, y: f64| [x, y, (RADIUS * RADIUS - (x - 3.0) * (x - 3.0)).sqrt() - RADIUS];
+    let high = |x: f64, y: f64| [x, 0.5 + 0.8 * y, -DEPTH];
+    let mut pair = Pair::new([60, 1], false, low, high);
+    // One layer of cells below is enough.
+    pair.master.truncate(2400);
+    let law = ContactLaw::penalty(50.0);
+    let mut interface = pair.interface(ContactElement::default(), FaceRule::Second);
+    interface.refresh(&pair.positions).unwrap();
+    let averages = interface.evaluate(&law, Mode::Gradient).unwrap();
+    assert_eq!(averages.active(), 0);
+    interface.set_pressures(FacePressures::Points);
+    let contacts = interface.evaluate(&law, Mode::Gradient).unwrap();
+    // ∫ ε (δ − x²/2R) dx over |x| < √(2Rδ), and as long as the master's facets go on over the face.
+    let length = 4.0 - 0.5;
+    let expected = 50.0 * 4.0 / 3.0 * DEPTH * (2.0 * RADIUS * DEPTH).sqrt() * length;
+    let found: f64 = pair.forces(contacts)[pair.first_slave..].iter().map(|force| force[2]).sum();
+    assert!((found - expected).abs() < 0.01 * expected, "{found} {expected}");
+    for node in contacts.nodes() {
+        assert!(node.gap > 0.0 && (node.smallest_gap + DEPTH).abs() < 0.01 * DEPTH, "{node:?}");
+        assert!(node.pressure > 0.0 && node.stiffness > 0.0 && node.stiffness < 50.0, "{node:?}");
+    }
+    pair.assert_balance_of(&pair.forces(contacts), 0.5 * expected);
+    // No multiplier belongs to a point.
+    let multipliers = vec![1.0; interface.slaves().len()];
+    let augmented = law.with_multipliers(Some(&multipliers));
+    assert_eq!(interface.evaluate(&augmented, Mode::Value).err(), Some(InterfaceError::PointMultipliers));
+    assert_eq!(
+        interface.accept(&augmented.with_friction(Coulomb::new(0.3, 1.0).ok())),
+        Err(InterfaceError::PointMultipliers)
+    );
 }

@@ -85,6 +85,12 @@ impl Whole {
         Self { pair, quadratic, options, master, slave, moved, interface }
     }
 
+    /// With pressures of these from here on, and so have its parts.
+    fn set_pressures(&mut self, pressures: FacePressures) {
+        self.options.pressures = pressures;
+        self.interface.set_pressures(pressures);
+    }
+
     /// Whether a face of the slave has both nodes.
     fn share_a_face(&self, one: usize, other: usize) -> bool {
         let faces = self.pair.slave.iter().map(|face| face.corners());
@@ -144,7 +150,7 @@ fn partitions(pair: &Pair) -> [Vec<Vec<usize>>; 3] {
 
 /// Everything that a node has, in bits.
 fn bits(node: &NodeContact) -> (Outcome, Vec<u64>) {
-    let of_pressure = [node.gap, node.area, node.pressure, node.stiffness, node.slip];
+    let of_pressure = [node.gap, node.smallest_gap, node.area, node.pressure, node.stiffness, node.slip];
     let numbers = [&of_pressure[..], &node.normal, &node.friction].concat();
     (node.outcome, numbers.into_iter().map(f64::to_bits).collect())
 }
@@ -257,8 +263,11 @@ fn any_partition_of_the_nodes_has_the_bits_of_the_whole() {
     let of_second = Second::ALL.map(|second| (Cells::Second(second), vec![]));
     let symmetric =
         [Cells::Quadrilaterals, Cells::Second(Second::Triangle6)].map(|cells| (cells, vec![across]));
-    for (cells, planes) in plain.into_iter().chain(of_second).chain(symmetric) {
+    let all = plain.into_iter().chain(of_second).chain(symmetric).map(|own| (own, FacePressures::Nodes));
+    let by_points = ((Cells::Triangles, vec![]), FacePressures::Points);
+    for ((cells, planes), pressures) in all.chain([by_points]) {
         let mut whole = Whole::new(cells, &planes);
+        whole.set_pressures(pressures);
         let expected = whole.evaluate(Mode::Value);
         let of_whole: HashMap<usize, NodeContact> =
             expected.nodes().iter().map(|node| (node.slave, *node)).collect();
@@ -291,13 +300,17 @@ fn any_partition_of_the_nodes_has_the_bits_of_the_whole() {
 #[test]
 fn rows_inside_a_part_are_those_of_the_whole() {
     for law in [ContactLaw::penalty(100.0), friction()] {
-        assert_rows(&law, Cells::Quadrilaterals);
-        Second::ALL.into_iter().for_each(|second| assert_rows(&law, Cells::Second(second)));
+        for pressures in FacePressures::ALL {
+            assert_rows(&law, Cells::Quadrilaterals, pressures);
+        }
+        let second = Second::ALL.into_iter().map(Cells::Second);
+        second.for_each(|cells| assert_rows(&law, cells, FacePressures::Nodes));
     }
 }
 
-fn assert_rows(law: &ContactLaw<'_>, cells: Cells) {
+fn assert_rows(law: &ContactLaw<'_>, cells: Cells, pressures: FacePressures) {
     let mut whole = Whole::new(cells, &[]);
+    whole.set_pressures(pressures);
     let own = &partitions(&whole.pair)[1][0];
     let (mut part, numbers) = whole.part(own, 2.0 * WIDE + LIMIT + SKIN);
     whole.interface.accept(law).unwrap();

@@ -1,12 +1,12 @@
 //! Contact over the slave's faces, from its points to the entries of the stiffness.
 
 use diffuse_contact::assembly::Tangent;
-use diffuse_contact::faces::{FaceInterface, FaceOptions, FaceRule, IntegrationPoint, NodeContact};
+use diffuse_contact::faces::{FaceInterface, FaceOptions, FacePressures, IntegrationPoint, NodeContact};
 use diffuse_contact::interface::{FrictionReport, InterfaceError, Outcome};
 use diffuse_contact::surface::{Facet, MasterSurface};
 use diffuse_contact::{Mode, Point};
 
-use super::pass::{NodalForces, Pass, PassError, PassState};
+use super::pass::{NodalForces, Pass, PassError, PassState, Pressed};
 use super::tracks::Finder;
 use super::{ContactError, InteractionOptions, SlaveState, TangentRule};
 use crate::system::{BlockMatrix, Symmetry};
@@ -15,6 +15,8 @@ use crate::system::{BlockMatrix, Symmetry};
 #[derive(Debug)]
 pub struct FacePass {
     interface: FaceInterface,
+    /// Where the pressure follows from the gap, but for slaves that are supposed to touch.
+    pressures: FacePressures,
     /// Penalty, multipliers and stiffness of friction are per area.
     state: PassState,
     /// The mode of the last evaluation.
@@ -26,7 +28,7 @@ pub struct FacePass {
 impl FacePass {
     pub fn new(
         options: &InteractionOptions,
-        rule: FaceRule,
+        face_options: FaceOptions,
         penalty: f64,
         (master, slave): (&[Facet], &[Facet]),
         positions: &[Point],
@@ -34,7 +36,6 @@ impl FacePass {
         let surface = MasterSurface::new(positions, master.to_vec())
             .map_err(|source| ContactError::Master { interface: options.name.clone(), source })?;
         let named = |source| ContactError::Interface { interface: options.name.clone(), source };
-        let face_options = FaceOptions::new(options.interface).with_rule(rule);
         let mut interface = if options.self_contact {
             FaceInterface::self_contact(surface, positions, face_options)
         } else {
@@ -48,7 +49,8 @@ impl FacePass {
             interface.set_quadratic_faces(&options.quadratic_faces).map_err(named)?;
         }
         let state = PassState::new(options, penalty, interface.slaves().len(), positions.len())?;
-        Ok(Self { interface, state, mode: Mode::Value, forces: vec![0.0; 3 * positions.len()] })
+        let (pressures, forces) = (face_options.pressures, vec![0.0; 3 * positions.len()]);
+        Ok(Self { interface, pressures, state, mode: Mode::Value, forces })
     }
 
     fn contacts(&self) -> &[NodeContact] {
@@ -57,6 +59,8 @@ impl FacePass {
 
     /// Gaps, pressures and forces by the law at the positions of the last update.
     fn apply_law(&mut self) -> Result<(), PassError> {
+        let pressures = if self.state.supposes { FacePressures::Nodes } else { self.pressures };
+        self.interface.set_pressures(pressures);
         let contacts = self.interface.evaluate(&self.state.law(), self.mode)?;
         self.forces.fill(0.0);
         contacts.add_forces(&self.state.dofs, &mut self.forces)?;
@@ -151,8 +155,25 @@ impl Pass for FacePass {
         Finder::Faces(&self.interface)
     }
 
-    fn multiplier_of(&self, _slave: &SlaveState, gap: f64) -> f64 {
-        self.state.penalty() * gap
+    fn multiplier_of(&self, slave: &SlaveState, gap: f64) -> f64 {
+        // Averages are supposed to close, whatever gap the slave has for its own.
+        let place = self.interface.slaves().binary_search(&slave.node);
+        let average = place.ok().map(|k| self.contacts()[k].gap).zip(slave.gap);
+        self.state.penalty() * (gap + average.map_or(0.0, |(average, own)| 2.0 * (average - own)))
+    }
+
+    fn pressed(&self) -> Option<Pressed> {
+        if self.pressures == FacePressures::Nodes {
+            return None;
+        }
+        let mut sum = Pressed::default();
+        for point in self.interface.integration_points().unwrap_or_default() {
+            if point.pressure > 0.0 {
+                sum.area += point.area;
+                sum.stored += 0.5 * point.area * point.pressure * (-point.gap).max(0.0);
+            }
+        }
+        Some(sum)
     }
 
     fn slave_count(&self) -> usize {
@@ -173,9 +194,8 @@ impl Pass for FacePass {
 
     fn slaves(&self) -> Box<dyn Iterator<Item = SlaveState> + '_> {
         Box::new(self.contacts().iter().enumerate().map(|(k, contact)| {
-            let NodeContact {
-                slave: node, outcome, gap, area, normal, friction, friction_state, slip, ..
-            } = *contact;
+            let NodeContact { slave: node, outcome, area, normal, friction, friction_state, slip, .. } =
+                *contact;
             let force = contact.force();
             match outcome {
                 // A node with nothing over its own facets may carry what is over others of its face.
@@ -185,7 +205,10 @@ impl Pass for FacePass {
                 },
                 Outcome::Contact { fallback } => SlaveState {
                     node,
-                    gap: Some(gap),
+                    gap: Some(match self.pressures {
+                        FacePressures::Nodes => contact.gap,
+                        FacePressures::Points => contact.smallest_gap,
+                    }),
                     force,
                     normal,
                     nodal_force: [0, 1, 2].map(|axis| self.forces[3 * node + axis]),

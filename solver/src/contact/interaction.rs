@@ -3,7 +3,7 @@
 use std::collections::{BTreeMap, HashMap};
 
 use diffuse_contact::assembly::{Tangent, TangentOperator};
-use diffuse_contact::faces::IntegrationPoint;
+use diffuse_contact::faces::{FaceOptions, IntegrationPoint};
 use diffuse_contact::friction::FrictionState;
 use diffuse_contact::interface::{FrictionReport, NoContact};
 use diffuse_contact::neighbourhood::Fallback;
@@ -139,8 +139,9 @@ impl Interaction {
         let pass = |master, slave, penalty| -> Result<Box<dyn Pass>, ContactError> {
             Ok(match options.integration {
                 Integration::Nodes => Box::new(NodePass::new(&options, penalty, master, slave, positions)?),
-                Integration::Faces(rule) => {
-                    Box::new(FacePass::new(&options, rule, penalty, (master, slave), positions)?)
+                Integration::Faces { rule, pressures } => {
+                    let how = FaceOptions::new(options.interface).with_rule(rule).with_pressures(pressures);
+                    Box::new(FacePass::new(&options, how, penalty, (master, slave), positions)?)
                 }
             })
         };
@@ -209,8 +210,10 @@ impl Interaction {
         for (pass, size) in self.passes.iter().zip(&self.sizes) {
             let (penalty, multipliers) = (pass.state().penalty(), &pass.state().multipliers);
             let has_none = multipliers.iter().all(|&force| force == 0.0);
-            // Before the first update there are none.
-            for point in pass.integration_points().unwrap_or_default() {
+            // Points of their own pressure are as deep as the slaves; before the first update there are none.
+            let averaged = pass.pressed().is_none();
+            for point in averaged.then(|| pass.integration_points().unwrap_or_default()).into_iter().flatten()
+            {
                 // Of a soft penalty all points are as deep as the average.
                 let average = if has_none { point.pressure / penalty } else { 0.0 };
                 if point.pressure > 0.0 && -point.gap > DEEPER * average {
@@ -450,6 +453,7 @@ impl Interaction {
             let mut multipliers =
                 if supposed.is_empty() { pass.state().multipliers.clone() } else { supposed };
             std::mem::swap(&mut pass.state_mut().multipliers, &mut multipliers);
+            pass.state_mut().supposes = true;
             self.before.push(multipliers);
         }
     }
@@ -463,6 +467,7 @@ impl Interaction {
     pub(super) fn recall(&mut self) {
         for (pass, before) in self.passes.iter_mut().zip(self.before.drain(..)) {
             pass.state_mut().multipliers = before;
+            pass.state_mut().supposes = false;
         }
     }
 

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use crate::named::named;
 use diffuse_contact::assembly::Tangent;
-use diffuse_contact::faces::{FaceRule, QuadraticFace};
+use diffuse_contact::faces::{FacePressures, FaceRule, QuadraticFace};
 use diffuse_contact::friction::{DecayingCoefficient, TabulatedCoefficient};
 use diffuse_contact::interface::InterfaceOptions;
 use diffuse_contact::surface::SymmetryPlane;
@@ -26,8 +26,18 @@ pub enum Integration {
     /// The slave's nodes, one force each: the energy form, symmetric and conservative.
     #[default]
     Nodes,
-    /// The slave's faces, with pressures averaged to their nodes: passes the patch test, its tangent is not symmetric.
-    Faces(FaceRule),
+    /// The slave's faces: passes the patch test, its tangent is not symmetric.
+    Faces {
+        /// How many points each piece of a face has.
+        rule: FaceRule,
+        /// Where the pressure follows from the gap.
+        pressures: FacePressures,
+    },
+}
+
+impl Integration {
+    /// Faces by the rule of second degree, with pressures averaged to their nodes.
+    pub const FACES: Self = Self::Faces { rule: FaceRule::Second, pressures: FacePressures::Nodes };
 }
 
 /// When slaves are paired anew.

@@ -60,6 +60,8 @@ pub struct PassState {
     penalty: f64,
     /// Factor on the penalty, 1 but on the way to equilibrium.
     pub softness: f64,
+    /// Whether slaves are supposed to touch, by multipliers of their average gaps.
+    pub supposes: bool,
     pub tangent: TangentRule,
     pub friction: Option<PassFriction>,
     /// What friction remembers besides the interface's history, which is left empty here.
@@ -87,6 +89,7 @@ impl PassState {
         Ok(Self {
             penalty,
             softness: 1.0,
+            supposes: false,
             tangent: options.tangent,
             friction: PassFriction::new(options, penalty)?,
             history: FrictionHistory::default(),
@@ -119,6 +122,15 @@ impl PassState {
     pub fn with_friction<'a>(&'a self, law: ContactLaw<'a>) -> ContactLaw<'a> {
         law.with_friction(self.friction.as_ref().map(PassFriction::law))
     }
+}
+
+/// Integration points that carry pressures of their own.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Pressed {
+    /// Of the slave's faces in the first configuration, length².
+    pub area: f64,
+    /// Energy.
+    pub stored: f64,
 }
 
 /// Which open slaves are supposed to touch.
@@ -287,6 +299,11 @@ pub trait Pass: std::fmt::Debug {
     /// The integration points over the master; none over nodes.
     fn integration_points(&self) -> Result<Vec<IntegrationPoint>, InterfaceError> {
         Ok(Vec::new())
+    }
+
+    /// Area under pressure and what the springs of the penalty store, if integration points have pressures of their own.
+    fn pressed(&self) -> Option<Pressed> {
+        None
     }
 
     /// Adds what each contact exerts on its slave and its masters at the last evaluation.

@@ -48,6 +48,7 @@ impl Interaction {
             positions.iter().zip(all).for_each(|(&x, force)| sum.add(x, force));
         }
         for (sign, pass) in [1.0, -1.0].into_iter().zip(self.passes()) {
+            let pressed = pass.pressed();
             let mut area = 0.0;
             for slave in pass.slaves() {
                 let x = positions[slave.node];
@@ -57,11 +58,17 @@ impl Interaction {
                 // The second pass has its points on the same surface in contact.
                 (0..3).for_each(|axis| sum.centre[axis] += slave.force * x[axis]);
                 sum.normal += slave.force;
-                if !slave.is_held {
+                if !slave.is_held && pressed.is_none() {
                     sum.penalty_energy += 0.5 * slave.force * (-slave.gap.unwrap_or(0.0)).max(0.0);
                 }
                 sum.friction += slave.friction.iter().map(|f| f * f).sum::<f64>().sqrt();
                 area += self.loaded_area(&slave);
+            }
+            if let Some(points) = pressed {
+                area = points.area;
+                if pass.slaves().any(|slave| !slave.is_held) {
+                    sum.penalty_energy += points.stored;
+                }
             }
             // In two passes both sides carry force, but at the beginning of contact.
             sum.area = sum.area.max(area);
@@ -80,7 +87,7 @@ impl Interaction {
         let has_force = slave.force > 0.0;
         match self.options().integration {
             Integration::Nodes if has_force => self.tributary_area(slave.node),
-            Integration::Faces(_) if has_force => slave.area,
+            Integration::Faces { .. } if has_force => slave.area,
             _ => 0.0,
         }
     }

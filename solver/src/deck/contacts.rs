@@ -30,7 +30,7 @@ impl Deck {
         let sides = self.sides(model, interface)?;
         let quadratic = match interface.integration {
             Integration::Nodes => Vec::new(),
-            Integration::Faces(_) => quadratic_faces(model, &sides),
+            Integration::Faces { .. } => quadratic_faces(model, &sides),
         };
         let options = self
             .options(model, interface, &sides)

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use diffuse_contact::faces::FaceRule;
+use diffuse_contact::faces::{FacePressures, FaceRule};
 use diffuse_contact::friction::{DecayingCoefficient, TabulatedCoefficient};
 use diffuse_contact::interface::{ContactElement, InterfaceOptions};
 use diffuse_contact::neighbourhood::{NeighbourRule, SearchOptions};
@@ -96,6 +96,10 @@ pub(super) fn interface(section: Section, contact: Contact) -> Result<Interface,
         if let Some(Ok(friction)) = section.get("friction").map(|field| field.section()) {
             friction.refuse(&["symmetric"], "with integration over faces")?;
         }
+    }
+    if matches!(integration, Integration::Faces { pressures: FacePressures::Points, .. }) {
+        let why = "with pressures of points, as multipliers belong to nodes";
+        section.refuse(&["augmentation"], why)?;
     }
     check_pressures(&section, integration)?;
     let surface = surface(&section)?;
@@ -296,16 +300,21 @@ fn integration(field: &Field) -> Result<Integration, DeckError> {
         Ok(section) => Some(section.expect(schema::INTEGRATION)?),
         Err(_) => None,
     };
-    let words = [("nodes", Integration::Nodes), ("faces", Integration::Faces(FaceRule::default()))];
+    let words = [("nodes", Integration::Nodes), ("faces", Integration::FACES)];
     let Some(section) = section else { return field.word(&words) };
     let over = section.need("over")?.word(&words)?;
-    let Some(degree) = section.get("degree") else { return Ok(over) };
     if over == Integration::Nodes {
-        section.refuse(&["degree"], "with over = \"nodes\"")?;
+        section.refuse(&["degree", "pressures"], "with over = \"nodes\"")?;
+        return Ok(over);
     }
-    let found = degree.positive_count()?;
-    let rule = FaceRule::ALL.into_iter().find(|rule| rule.degree() == found);
-    rule.map(Integration::Faces).ok_or_else(|| degree.out_of_range("2 or 4", found as f64))
+    let rule = section.or("degree", FaceRule::default(), |degree| {
+        let found = degree.positive_count()?;
+        let rule = FaceRule::ALL.into_iter().find(|rule| rule.degree() == found);
+        rule.ok_or_else(|| degree.out_of_range("2 or 4", found as f64))
+    })?;
+    let words = FacePressures::ALL.map(|pressures| (pressures.name(), pressures));
+    let pressures = section.or("pressures", FacePressures::default(), |field| field.word(&words))?;
+    Ok(Integration::Faces { rule, pressures })
 }
 
 fn neighbours(field: &Field) -> Result<SearchOptions, DeckError> {

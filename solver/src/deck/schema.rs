@@ -80,7 +80,7 @@ pub const FRICTION: &[&str] = &["coefficient", "stiffness", "shear_limit", "symm
 /// Fields of a coefficient of friction that varies.
 pub const COEFFICIENT: &[&str] = &["static", "kinetic", "decay", "pressures", "rates", "values"];
 /// Fields of an integration.
-pub const INTEGRATION: &[&str] = &["over", "degree"];
+pub const INTEGRATION: &[&str] = &["over", "degree", "pressures"];
 /// Fields of the neighbour search.
 pub const NEIGHBOURS: &[&str] = &["rule", "count", "regularity"];
 /// Fields of a symmetry plane.

@@ -129,10 +129,13 @@ fn a_deck_is_read_with_its_defaults() {
 fn contact_is_integrated_over_nodes_or_faces() {
     for (value, expected) in [
         ("\"nodes\"", Integration::Nodes),
-        ("\"faces\"", Integration::Faces(FaceRule::Second)),
+        ("\"faces\"", Integration::FACES),
         ("{ over = \"nodes\" }", Integration::Nodes),
-        ("{ over = \"faces\" }", Integration::Faces(FaceRule::Second)),
-        ("{ over = \"faces\", degree = 4 }", Integration::Faces(FaceRule::Fourth)),
+        ("{ over = \"faces\" }", Integration::FACES),
+        (
+            "{ over = \"faces\", degree = 4 }",
+            Integration::Faces { rule: FaceRule::Fourth, pressures: FacePressures::Nodes },
+        ),
     ] {
         let text = changed("penalty = 1e5", &format!("penalty = 1e5\nintegration = {value}"));
         assert_eq!(Deck::parse(&text).unwrap().interfaces[0].integration, expected);

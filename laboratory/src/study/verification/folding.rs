@@ -20,8 +20,7 @@ pub fn study(decks: &Decks, title: &str) -> Result<Findings, SolveError> {
         let mut deck = decks.with(way.element)?;
         // What else touches is over what the deck says.
         for interface in deck.interfaces.iter_mut().filter(|interface| interface.self_contact) {
-            interface.integration =
-                if way.over_faces { Integration::Faces(FaceRule::default()) } else { Integration::Nodes };
+            interface.integration = if way.over_faces { Integration::FACES } else { Integration::Nodes };
         }
         row(&mut table, &[way.name()], pressed(&deck, decks)?);
     }

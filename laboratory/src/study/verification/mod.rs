@@ -168,7 +168,7 @@ impl Decks {
                 interface.penalty = None;
             }
             if way.over_faces {
-                interface.integration = Integration::Faces(FaceRule::default());
+                interface.integration = Integration::FACES;
             } else {
                 interface.integration = Integration::Nodes;
                 interface.surface.areas = is_by_area;

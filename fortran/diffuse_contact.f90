@@ -39,6 +39,7 @@ module diffuse_contact
         enumerator :: DC_OPEN = 0, DC_STICK, DC_SLIP
         enumerator :: DC_CONSTANT = 0, DC_DECAYING, DC_TABULATED, DC_FUNCTION
         enumerator :: DC_EXACT = 0, DC_GAUSS_NEWTON
+        enumerator :: DC_NODE_PRESSURES = 0, DC_POINT_PRESSURES
         enumerator :: DC_FULL = 0, DC_LOWER
     end enum
 
@@ -794,6 +795,13 @@ module diffuse_contact
             type(c_ptr), value :: faces
             real(c_double), intent(in), optional :: planes(*)
             integer(c_size_t), value :: plane_count
+            integer(c_int) :: status
+        end function
+
+        function dc_faces_set_pressures(faces, pressures) bind(c) result(status)
+            import :: c_int, c_int32_t, c_ptr
+            type(c_ptr), value :: faces
+            integer(c_int32_t), value :: pressures
             integer(c_int) :: status
         end function
 

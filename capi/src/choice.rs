@@ -1,6 +1,7 @@
 //! Named numbers. C passes them as `int32_t`: a number without name is refused, it is no undefined behaviour.
 
 use runtime::assembly::{Tangent, Triangle};
+use runtime::faces::FacePressures;
 use runtime::{Basis, FrameDerivative, FrictionState, Mode, Weight};
 
 use crate::status::{DC_BAD_OPTION, Failure};
@@ -106,6 +107,15 @@ pub enum dc_tangent {
     DC_GAUSS_NEWTON = 1,
 }
 
+/// Where pressures of contact over faces follow from gaps.
+#[repr(C)]
+pub enum dc_face_pressures {
+    /// At the slave's nodes, from the average gap around each.
+    DC_NODE_PRESSURES = 0,
+    /// At each integration point, from its own gap.
+    DC_POINT_PRESSURES = 1,
+}
+
 /// Which triangle of a symmetric matrix is listed.
 #[repr(C)]
 pub enum dc_triangle {
@@ -151,6 +161,7 @@ named!("friction state", FrictionState, dc_friction_state: Open = DC_OPEN, Stick
 named!("coefficient", dc_coefficient, dc_coefficient:
     DC_CONSTANT = DC_CONSTANT, DC_DECAYING = DC_DECAYING, DC_TABULATED = DC_TABULATED, DC_FUNCTION = DC_FUNCTION);
 named!("tangent", Tangent, dc_tangent: Exact = DC_EXACT, GaussNewton = DC_GAUSS_NEWTON);
+named!("pressures", FacePressures, dc_face_pressures: Nodes = DC_NODE_PRESSURES, Points = DC_POINT_PRESSURES);
 named!("triangle", Triangle, dc_triangle: Full = DC_FULL, Lower = DC_LOWER);
 
 /// The value of a number.

@@ -8,7 +8,7 @@ use crate::threads;
 /// What contact is at the integration points that lie over the master, face by face, by the pressures of the last dc_faces_evaluate; found
 /// anew by each call. `faces_of_points` gets numbers of their faces among the slave's; `positions` places on the slave's own smooth surface,
 /// 3 numbers each, length; `areas` what each stands for of its face in the first configuration, length^2; `gaps` length; `normals` the unit
-/// normals of the master, 3 numbers each; `pressures` force per area; `tractions` friction on the slave, 3 numbers each, force per area.
+/// normals of the master, 3 numbers each; `pressures` force per area, interpolated between the nodes or their own as dc_faces_set_pressures says; `tractions` friction on the slave, 3 numbers each, force per area.
 ///
 /// Each may be NULL. With all of them NULL `point_count` gets how many points there are. DC_BAD_SIZE where `capacity` is less.
 /// DC_NOT_EVALUATED at positions that have no evaluation.

@@ -159,6 +159,53 @@ fn a_guard_takes_half_as_many_operations_again() {
     assert!(guarded < plain + plain / 2, "{guarded} {plain}");
 }
 
+/// A choice between parts of norms whose components are divided, or have roots: what is taken has its Hessian where the norm is zero, as in
+/// a split of strains into tension and pressure.
+#[test]
+fn norms_in_choices_have_their_hessian_where_they_are_zero() {
+    type Part = for<'g> fn(Vec2<'g>, Expr<'g>) -> Expr<'g>;
+    let parts: [Part; 5] = [
+        |v, _| (v[0] / 3.0).hypot(v[1] / 3.0),
+        |v, p| (v[0] / p).hypot(v[1] / p),
+        |v, p| (v[0] / p.powi(2).sqrt()).hypot(v[1] / p.powf(1.0)),
+        |v, p| (v[0] * p.sqrt() / p.powf(1.5)).hypot(v[1] * p.powi(-1)),
+        |v, p| (v / p).norm(),
+    ];
+    for part in parts {
+        let element = kernels(|m| {
+            let (v, p) = (m.variable::<Vec2<'_>>("v"), m.parameter("p"));
+            let r = part(v, p);
+            m.energy((1.0 + r).max(0.0).powi(2) + (1.0 - r).max(0.0).powi(2));
+            m.product();
+        });
+        let ninth = 4.0 / 9.0;
+        for (v, tolerance) in [([0.0, 0.0], 1e-15), ([1e-3, -2e-3], 1e-12)] {
+            let at = results(&element, &[&v, &[3.0]], &[1.0, 2.0]);
+            assert!(difference(&at("hessian"), &[ninth, 0.0, ninth]) < tolerance, "{:?}", at("hessian"));
+            assert!(difference(&at("hessian_product"), &[ninth, 2.0 * ninth]) < tolerance);
+        }
+    }
+}
+
+/// What such a norm is divided by may be zero where it is left out, also by a choice around another one.
+#[test]
+fn norms_that_choices_leave_out_are_not_divided() {
+    let element = kernels(|m| {
+        let (v, p) = (m.variable::<Vec2<'_>>("v"), m.parameter::<Expr<'_>>("p"));
+        let r = (v / p).norm();
+        let inner = p.less(10.0).select(r.cos(), r * r + 2.0 * r.cos());
+        m.energy(v[0] * v[1] + v[1].powi(2) + p.less(0.5).select(0.0, inner));
+        m.product();
+    });
+    // r² + 2 cos r has no second derivative at 0.
+    for (p, by_norm) in [(0.0, 0.0), (3.0, -1.0 / 9.0), (20.0, 0.0)] {
+        let at = results(&element, &[&[0.0, 0.0], &[p]], &[1.0, 3.0]);
+        assert!(difference(&at("hessian"), &[by_norm, 1.0, 2.0 + by_norm]) < 1e-15, "{p}");
+        assert!(difference(&at("hessian_product"), &[3.0 + by_norm, 7.0 + 3.0 * by_norm]) < 1e-14, "{p}");
+        assert_eq!(at("gradient"), [0.0, 0.0]);
+    }
+}
+
 /// A spring of length zero: no norm of a part, and no norm at the origin, takes its stiffness.
 #[test]
 fn a_squared_norm_has_its_hessian_everywhere() {

@@ -3,8 +3,8 @@
 use diffuse_contact::Point;
 use diffuse_contact::assembly::{DofMap, Tangent};
 use diffuse_contact::faces::{
-    FaceContacts, FaceInterface, FaceOptions, FaceReport, FaceRule, IntegrationPoint, NodeContact,
-    QuadraticFace,
+    FaceContacts, FaceInterface, FaceOptions, FacePressures, FaceReport, FaceRule, IntegrationPoint,
+    NodeContact, QuadraticFace,
 };
 use diffuse_contact::interface::InterfaceError;
 use diffuse_contact::surface::Facet;
@@ -43,12 +43,14 @@ pub struct Faces {
 type Numbers<'py> = Bound<'py, PyArray1<f64>>;
 type Indices<'py> = Bound<'py, PyArray1<i64>>;
 
-/// With the rule of this degree.
-fn face_options(py: Python<'_>, options: Options, degree: usize) -> PyResult<FaceOptions> {
+/// With the rule of this degree, and pressures of these.
+fn face_options(py: Python<'_>, options: Options, degree: usize, pressures: &str) -> PyResult<FaceOptions> {
     let rule = FaceRule::ALL.into_iter().find(|rule| rule.degree() == degree).ok_or_else(|| {
         errors::input(py, "invalid-option", &format!("degree has to be 2 or 4, not {degree}"))
     })?;
-    Ok(FaceOptions::new(options.interface(py, false)?).with_rule(rule))
+    let known = FacePressures::ALL.map(|own| (own.name(), own));
+    let pressures = options::named(py, "pressures", pressures, &known)?;
+    Ok(FaceOptions::new(options.interface(py, false)?).with_rule(rule).with_pressures(pressures))
 }
 
 type Equations<'py> = Option<(usize, Bound<'py, PyArray2<i64>>)>;
@@ -65,10 +67,10 @@ impl Faces {
 
 #[pymethods]
 impl Faces {
-    /// `faces`: of the slave, without them the surface is in contact with itself. `degree`: of the rule on each piece of a face; the rest
-    /// as of `Interface`.
+    /// `faces`: of the slave, without them the surface is in contact with itself. `degree`: of the rule on each piece of a face, `pressures`:
+    /// where they follow from gaps; the rest as of `Interface`.
     #[new]
-    #[pyo3(signature = (master, faces, positions, options, degree, equations, symmetry, quadratic))]
+    #[pyo3(signature = (master, faces, positions, options, degree, pressures, equations, symmetry, quadratic))]
     #[allow(clippy::too_many_arguments)]
     fn new(
         py: Python<'_>,
@@ -77,6 +79,7 @@ impl Faces {
         positions: &Bound<'_, PyArray2<f64>>,
         options: Options,
         degree: usize,
+        pressures: &str,
         equations: Equations<'_>,
         symmetry: &Bound<'_, PyArray2<f64>>,
         quadratic: Vec<Bound<'_, PyArray2<i64>>>,
@@ -84,7 +87,7 @@ impl Faces {
         let faces = faces.map(|faces| facets(py, &readable(faces)?)).transpose()?;
         let positions = readable(positions)?;
         let positions = points(py, &positions)?;
-        let options = face_options(py, options, degree)?;
+        let options = face_options(py, options, degree, pressures)?;
         let dofs = dofs_of(py, equations, positions.len())?;
         let master = master.surface.clone();
         let planes = planes(py, symmetry)?;
@@ -111,7 +114,7 @@ impl Faces {
 
     /// Of faces that know windows of both surfaces only.
     #[staticmethod]
-    #[pyo3(signature = (master, slave, positions, options, degree, equations, quadratic))]
+    #[pyo3(signature = (master, slave, positions, options, degree, pressures, equations, quadratic))]
     #[allow(clippy::too_many_arguments)]
     fn in_window(
         py: Python<'_>,
@@ -120,12 +123,13 @@ impl Faces {
         positions: &Bound<'_, PyArray2<f64>>,
         options: Options,
         degree: usize,
+        pressures: &str,
         equations: Equations<'_>,
         quadratic: [Vec<Bound<'_, PyArray2<i64>>>; 2],
     ) -> PyResult<Self> {
         let positions = readable(positions)?;
         let positions = points(py, &positions)?;
-        let options = face_options(py, options, degree)?;
+        let options = face_options(py, options, degree, pressures)?;
         let dofs = dofs_of(py, equations, positions.len())?;
         let (master, slave) = (&master.window, &slave.window);
         let [mut below, mut above] = [Vec::new(), Vec::new()];
@@ -207,7 +211,7 @@ impl Faces {
         ))
     }
 
-    /// Gap, area, pressure and normal of every node, and its outcome; NaN where there is no contact, but for area and pressure.
+    /// Gaps, area, pressure and normal of every node, and its outcome; NaN where there is no contact, but for area and pressure.
     #[allow(clippy::type_complexity)]
     fn nodes<'py>(
         slf: &Bound<'py, Self>,

@@ -11,7 +11,7 @@ use pyo3::types::PyDict;
 use crate::errors;
 
 /// The value that goes by this name.
-fn named<T: Copy>(py: Python<'_>, option: &str, name: &str, values: &[(&str, T)]) -> PyResult<T> {
+pub fn named<T: Copy>(py: Python<'_>, option: &str, name: &str, values: &[(&str, T)]) -> PyResult<T> {
     if let Some((_, value)) = values.iter().find(|(known, _)| *known == name) {
         return Ok(*value);
     }

@@ -73,6 +73,30 @@ def test_points_integrate_to_what_nodes_carry():
     assert np.linalg.norm(points.position - middles, axis=1).max() < 0.75
 
 
+def test_points_may_have_pressures_of_their_own():
+    # A cylinder that touches one wide face in its middle: on average it is open.
+    positions, master, slave = pair(
+        lambda x, y: np.column_stack([x, y, np.sqrt(900.0 - (x - 3.0) ** 2) - 30.0]), flat(-0.01), below=30, above=1
+    )
+    surface = dc.MasterSurface(positions, master)
+    averages = dc.FaceInterface(surface, slave, positions)
+    averages.refresh(positions)
+    assert averages.evaluate(PENALTY).force.sum() == 0.0
+    faces = dc.FaceInterface(surface, slave, positions, pressures="points")
+    faces.refresh(positions)
+    contacts, points = faces.evaluate(PENALTY), faces.points
+    assert (contacts.gap > 0.0).all() and (contacts.pressure > 0.0).all()
+    assert np.allclose(points.pressure, PENALTY * np.maximum(0.0, -points.gap), rtol=1e-12)
+    expected = PENALTY * 4.0 / 3.0 * 0.01 * np.sqrt(60.0 * 0.01) * 6.0
+    assert np.isclose(faces.forces().reshape(-1, 3)[len(positions) - 4 :, 2].sum(), expected, rtol=0.03)
+    with pytest.raises(dc.InterfaceError) as refused:
+        faces.evaluate(PENALTY, multipliers=np.ones(4))
+    assert refused.value.code == "point-multipliers"
+    with pytest.raises(dc.InputError) as refused:
+        dc.FaceInterface(surface, slave, positions, pressures="faces")
+    assert refused.value.code == "invalid-option"
+
+
 def quadratic_grid(cells, first, height, *, kind):
     """Nodes and faces of second order over [0, 6]²: a lattice of twice the cells, seen from above."""
     side = 2 * cells + 1

@@ -4,7 +4,6 @@ use std::collections::BTreeSet;
 use std::sync::Arc;
 
 use diffuse_contact::assembly::Tangent;
-use diffuse_contact::faces::FaceRule;
 use diffuse_contact::interface::{ContactElement, InterfaceOptions};
 use diffuse_contact::neighbourhood::SearchOptions;
 use diffuse_contact::surface::Facet;

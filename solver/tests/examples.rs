@@ -5,7 +5,7 @@
 use std::path::Path;
 
 use diffuse_contact::Weight;
-use diffuse_contact::faces::FaceRule;
+use diffuse_contact::faces::{FacePressures, FaceRule};
 use diffuse_contact::interface::ContactElement;
 use diffuse_contact::neighbourhood::SearchOptions;
 use diffuse_contact_solver::contact::{Integration, SlaveState};

@@ -3,7 +3,6 @@
 use std::collections::BTreeSet;
 use std::path::Path;
 
-use diffuse_contact::faces::FaceRule;
 use diffuse_contact::surface::tributary_areas;
 use diffuse_contact_solver::contact::Integration;
 use diffuse_contact_solver::deck::{Contact, Deck, Interface};

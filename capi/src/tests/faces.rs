@@ -5,7 +5,7 @@ use std::ptr::{null, null_mut};
 
 use runtime::Mode;
 use runtime::assembly::{ContactLaw, DofMap, Tangent, add_forces};
-use runtime::faces::{FaceInterface, FaceOptions, FaceRule, QuadraticFace};
+use runtime::faces::{FaceInterface, FaceOptions, FacePressures, FaceRule, QuadraticFace};
 use runtime::friction::Coulomb;
 use runtime::interface::{ContactInterface, InterfaceOptions};
 use runtime::surface::{Facet, MasterSurface};
@@ -258,6 +258,39 @@ fn faces_give_what_the_runtime_gives() {
             assert!(product == sums && product.iter().any(|&entry| entry != 0.5));
         }
     }
+    assert_eq!(dc_faces_destroy(handle), DC_OK);
+}
+
+/// Points with pressures of their own have those of the runtime, and none with multipliers.
+#[test]
+fn points_may_have_pressures_of_their_own() {
+    let pair = Pair::new();
+    let mut own = pair.runtime();
+    let (positions, _) = pair.positions.as_chunks::<3>();
+    own.refresh(positions).unwrap();
+    own.set_pressures(FacePressures::Points);
+    let expected = own.evaluate(&ContactLaw::penalty(law(&[]).penalty), Mode::Gradient).unwrap();
+    let (dofs, size) = (DofMap::standard(pair.nodes()), 3 * pair.nodes());
+    let mut sum = vec![0.0; size];
+    expected.add_forces(&dofs, &mut sum).unwrap();
+    let (_, handle) = pair.make(2);
+    let mut forces = [vec![0.0; size], vec![0.0; size]];
+    for (forces, pressures) in forces.iter_mut().zip([0, 1]) {
+        // SAFETY: the arrays have the lengths given.
+        unsafe {
+            assert_eq!(dc_faces_set_pressures(handle, pressures), DC_OK);
+            assert_eq!(dc_faces_refresh(handle, pair.positions.as_ptr(), pair.nodes(), null_mut()), DC_OK);
+            assert_eq!(dc_faces_evaluate(handle, &law(&[]), 1), DC_OK);
+            let forces = forces.as_mut_ptr();
+            assert_eq!(dc_faces_add_forces(handle, forces, size, null_mut(), null_mut()), DC_OK);
+        }
+    }
+    assert!(forces[1] == sum && forces[0] != sum);
+    assert_eq!(dc_faces_set_pressures(handle, 2), DC_BAD_OPTION);
+    // SAFETY: as many multipliers as slaves.
+    let status = unsafe { dc_faces_evaluate(handle, &law(&[0.0; 25]), 1) };
+    assert_eq!(status, DC_BAD_OPTION, "{}", message());
+    assert!(message().starts_with("point-multipliers: "), "{}", message());
     assert_eq!(dc_faces_destroy(handle), DC_OK);
 }
 

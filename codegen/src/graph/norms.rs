@@ -3,7 +3,7 @@
 //! A function that is smooth where a norm is zero has ∂f/∂n = 0 there, and ∂f/∂q = (∂f/∂n)/(2 n) has a limit, ½ ∂²f/∂n². Rules that look at
 //! one operation at a time cannot know it: they have the direction of the norm, which is 0 there. The chain rule through n and q does.
 
-use rustc_hash::FxHashSet;
+use rustc_hash::{FxHashMap, FxHashSet};
 
 use super::{ExprId, Graph, Op, Scope};
 use crate::table::Table;
@@ -14,21 +14,86 @@ struct Replaced {
     done: Table<ExprId, ExprId>,
 }
 
+/// x < y of a choice, and whether it is what stands there if that is so.
+type Choice = (ExprId, ExprId, bool);
+
+/// Norms that are zero where they are left out.
+#[derive(Default)]
+struct Chosen {
+    /// Those around the expression, outermost first.
+    choices: Vec<Choice>,
+    done: FxHashMap<(ExprId, Vec<Choice>), ExprId>,
+}
+
 impl Graph {
     /// The expression with such symbols in the place of norms of the element that change with one of the variables. Powers of norms, polynomials that
-    /// are smooth where the norm is zero, and what is divided by one, stay: they have rules of their own. So do norms that a choice leaves out where
-    /// they may have infinite derivatives. Definitions and conditions are not entered.
+    /// are smooth where the norm is zero, and what is divided by one, stay: they have rules of their own. Definitions and conditions are not
+    /// entered.
     pub(crate) fn with_norm_symbols(&mut self, expr: ExprId, variables: &[ExprId]) -> ExprId {
-        let all = self.reachable(expr, Self::operands);
-        let left_out = self.left_out(&[expr]);
-        let is_meant = |g: &Self, x: ExprId| {
-            matches!(g.op(x), Op::Hypot(..))
-                && g.scope(x) == Scope::Element
-                && g.changes_with(x, variables)
-                && (!left_out.contains(&x) || g.is_smooth(x))
+        let is_norm = |g: &Self, x: ExprId| {
+            matches!(g.op(x), Op::Hypot(..)) && g.scope(x) == Scope::Element && g.changes_with(x, variables)
         };
-        let meant = all.into_iter().filter(|&x| is_meant(self, x)).collect();
+        let left_out = self.left_out(&[expr]);
+        let unsafe_norms: FxHashSet<ExprId> =
+            left_out.into_iter().filter(|&x| is_norm(self, x) && !self.is_smooth(x)).collect();
+        let expr = if unsafe_norms.is_empty() {
+            expr
+        } else {
+            self.norms_chosen(expr, &unsafe_norms, &mut Chosen::default())
+        };
+        let all = self.reachable(expr, Self::operands);
+        let meant = all.into_iter().filter(|&x| is_norm(self, x)).collect();
         self.norms_replaced(expr, &mut Replaced { meant, done: Table::default() })
+    }
+
+    /// The expression with norms that are zero where the choices that they stand in leave them out. There they may have infinite
+    /// derivatives, which a chain rule through their symbols would multiply by 0.
+    fn norms_chosen(&mut self, expr: ExprId, norms: &FxHashSet<ExprId>, chosen: &mut Chosen) -> ExprId {
+        let key = (expr, chosen.choices.clone());
+        if let Some(&known) = chosen.done.get(&key) {
+            return known;
+        }
+        let op = self.op(expr);
+        let result = match op {
+            Op::Sum(_) | Op::Row(_) | Op::Column(_) => expr,
+            Op::Hypot(..) if norms.contains(&expr) => {
+                let zero = self.zero();
+                let mut components = self.norm_components(expr);
+                for component in &mut components {
+                    *component = self.norms_chosen(*component, norms, chosen);
+                    // The innermost first.
+                    for &(x, y, is_then) in chosen.choices.iter().rev() {
+                        let (then, otherwise) = if is_then { (*component, zero) } else { (zero, *component) };
+                        *component = self.select_less(x, y, then, otherwise);
+                    }
+                }
+                components.into_iter().reduce(|norm, x| self.hypot(norm, x)).unwrap_or(zero)
+            }
+            _ => {
+                let operands = self.operands(expr);
+                let mut rebuilt = operands.clone();
+                for (place, operand) in rebuilt.iter_mut().enumerate() {
+                    let choice = match op {
+                        Op::Select { .. } if place < 2 => continue,
+                        Op::Select { x, y, .. } => Some((x, y, place == 2)),
+                        _ => None,
+                    };
+                    chosen.choices.extend(choice);
+                    *operand = self.norms_chosen(*operand, norms, chosen);
+                    if choice.is_some() {
+                        chosen.choices.pop();
+                    }
+                }
+                if rebuilt == operands { expr } else { self.made(op, &rebuilt) }
+            }
+        };
+        if result != expr
+            && let Some(name) = self.name_of(expr).map(str::to_owned)
+        {
+            self.name(result, &name);
+        }
+        chosen.done.insert(key, result);
+        result
     }
 
     /// Whether an expression changes with one of these symbols, also through what is bound.

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any, NamedTuple, NoReturn
+from typing import Any, Literal, NamedTuple, NoReturn
 
 import numpy as np
 import scipy.sparse
@@ -111,7 +111,7 @@ class FacePoints:
         area: what each stands for of its face in the first configuration, shape (q,), length².
         gap: shape (q,), length.
         normal: unit normals of the master, shape (q, 3).
-        pressure: Σ N_A p_A of the nodes of its face, shape (q,), force per area.
+        pressure: Σ N_A p_A of the nodes of its face, with ``pressures="points"`` its own, shape (q,), force per area.
         friction: the same of tractions on the slave, shape (q, 3), force per area; 0 without friction.
 
     """
@@ -129,7 +129,7 @@ class FaceInterface(FrictionHistory):
     """Contact integrated over the slave's faces, which passes the patch test between meshes that do not match.
 
     Kinematics are those of the smooth surfaces of both sides, forces go by the shape functions of the faces, and
-    pressures are averaged to the slave's nodes::
+    pressures are averaged to the slave's nodes, unless ``pressures="points"`` asks for those of points::
 
         ḡ_A = ∫ N_A g dA / ∫ N_A dA        p_A = max(0, λ_A − ε ḡ_A)
 
@@ -145,6 +145,9 @@ class FaceInterface(FrictionHistory):
         positions: first positions of all nodes, shape (p, 3), length.
         degree: 2 or 4, of the polynomials integrated exactly on each piece of a face; 4 always for pieces between a
             quadrilateral of second order and what lies over it.
+        pressures: where they follow from gaps: ``"nodes"``, from the average gap around each, or ``"points"``, at each
+            integration point from its own gap. Points are for faces that are coarse beside the master's curvature,
+            where an average gap closes late; a stiff penalty makes their pressures rough. They take no multipliers.
         dofs: equations of the nodes' x, y and z, shape (p, 3), −1 where there is none; if left out, 3·node + axis.
         equations: number of equations; if left out, 3p, or the largest of ``dofs`` plus 1.
         symmetry: planes of symmetry of both surfaces, pairs of a point and the unit normal to the side of the model.
@@ -166,6 +169,7 @@ class FaceInterface(FrictionHistory):
         positions: ArrayLike,
         *,
         degree: int = 2,
+        pressures: Literal["nodes", "points"] = "nodes",
         dofs: ArrayLike | None = None,
         equations: int | None = None,
         symmetry: Planes = (),
@@ -180,6 +184,7 @@ class FaceInterface(FrictionHistory):
             positions,
             self._options,
             count("degree", degree),
+            word("pressures", pressures),
             _equations(dofs, equations, len(positions)),
             planes("symmetry", symmetry),
             _arrays.quadratic("quadratic", quadratic),
@@ -193,6 +198,7 @@ class FaceInterface(FrictionHistory):
         positions: ArrayLike,
         *,
         degree: int = 2,
+        pressures: Literal["nodes", "points"] = "nodes",
         dofs: ArrayLike | None = None,
         equations: int | None = None,
         quadratic_master: ArrayLike | Sequence[ArrayLike] = (),
@@ -213,6 +219,7 @@ class FaceInterface(FrictionHistory):
             positions: first those of ``master.nodes``, then those of ``slave.nodes``, where they were when the window
                 of the master was made.
             degree: as for ``FaceInterface``.
+            pressures: as for ``FaceInterface``.
             dofs: as for ``FaceInterface``.
             equations: as for ``FaceInterface``.
             quadratic_master: faces of second order of the master, as ``quadratic`` of ``FaceInterface``, with the
@@ -235,6 +242,7 @@ class FaceInterface(FrictionHistory):
             positions,
             made._options,
             count("degree", degree),
+            word("pressures", pressures),
             _equations(dofs, equations, len(positions)),
             [
                 _arrays.quadratic("quadratic_master", quadratic_master),

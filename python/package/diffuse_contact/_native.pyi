@@ -137,6 +137,7 @@ class Faces:
         positions: _Floats,
         options: Any,
         degree: int,
+        pressures: str,
         equations: tuple[int, _Ints] | None,
         symmetry: _Floats,
         quadratic: list[_Ints],
@@ -148,6 +149,7 @@ class Faces:
         positions: _Floats,
         options: Any,
         degree: int,
+        pressures: str,
         equations: tuple[int, _Ints] | None,
         quadratic: list[list[_Ints]],
     ) -> Faces: ...

@@ -1,6 +1,6 @@
 //! Decks as they are written, and as they are miswritten.
 
-use diffuse_contact::faces::FaceRule;
+use diffuse_contact::faces::{FacePressures, FaceRule};
 use diffuse_contact::interface::ContactElement;
 use diffuse_contact::neighbourhood::NeighbourRule;
 use diffuse_contact::pairing::MAX_NEIGHBOURS;
@@ -136,6 +136,10 @@ fn contact_is_integrated_over_nodes_or_faces() {
             "{ over = \"faces\", degree = 4 }",
             Integration::Faces { rule: FaceRule::Fourth, pressures: FacePressures::Nodes },
         ),
+        (
+            "{ over = \"faces\", pressures = \"points\" }",
+            Integration::Faces { rule: FaceRule::Second, pressures: FacePressures::Points },
+        ),
     ] {
         let text = changed("penalty = 1e5", &format!("penalty = 1e5\nintegration = {value}"));
         assert_eq!(Deck::parse(&text).unwrap().interfaces[0].integration, expected);
@@ -147,6 +151,11 @@ fn contact_is_integrated_over_nodes_or_faces() {
     );
     refused("penalty = 1e5", "adjust = 0.0", "interface[1].adjust must be positive, not 0");
     refused("penalty = 1e5", "penalty = 1e5\nintegration = { over = \"faces\", degree = 3 }", "2 or 4");
+    let points = "penalty = 1e5\nintegration = { over = \"faces\", pressures = \"points\" }";
+    refused("penalty = 1e5", &points.replace("\"points\"", "\"faces\""), "nodes");
+    refused("penalty = 1e5", &points.replace("faces", "nodes"), "over = \"nodes\"");
+    let augmented = "\nmethod = \"augmented-lagrangian\"\naugmentation = { tolerance = 1e-3 }";
+    refused("penalty = 1e5", &format!("{points}{augmented}"), "multipliers belong to nodes");
 }
 
 #[test]

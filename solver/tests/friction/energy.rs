@@ -1,6 +1,5 @@
 //! External work is stored and dissipated, to the order of the integration over time.
 
-use diffuse_contact::faces::FaceRule;
 use diffuse_contact_solver::contact::{Integration, SlaveState};
 use diffuse_contact_solver::deck::{Contact, Deck};
 use diffuse_contact_solver::statics::TimeSettings;

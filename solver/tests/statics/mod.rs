@@ -4,6 +4,7 @@ mod amplitudes;
 mod contact;
 mod linear;
 mod scale;
+mod slender;
 mod start;
 
 use std::path::Path;

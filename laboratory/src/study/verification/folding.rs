@@ -1,6 +1,5 @@
 //! Surfaces in contact with themselves: how deep they penetrate, and how smooth their force is.
 
-use diffuse_contact::faces::FaceRule;
 use diffuse_contact::surface::tributary_areas;
 use diffuse_contact_solver::contact::Integration;
 use diffuse_contact_solver::deck::Deck;

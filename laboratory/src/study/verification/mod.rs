@@ -18,7 +18,6 @@ mod turning;
 use std::path::{Path, PathBuf};
 
 use clap::ValueEnum;
-use diffuse_contact::faces::FaceRule;
 use diffuse_contact::interface::ContactElement;
 use diffuse_contact::neighbourhood::{NeighbourRule, SearchOptions};
 use diffuse_contact_solver::contact::Integration;

@@ -1,0 +1,157 @@
+//! Slender bodies on rollers, and a column that buckles.
+
+use super::*;
+
+/// Half of a strip of thickness 1 under its load, on a roller at nine tenths of its half.
+fn on_a_roller(length: f64, cells: usize, integration: &str) -> String {
+    format!(
+        r#"
+[materials.steel]
+young = 210000.0
+poisson = 0.3
+[parts.strip]
+shape = "box"
+size = [{:?}, 2.0, 1.0]
+divisions = [{cells}, 1, 1]
+element = "hex8i"
+material = "steel"
+[parts.roller]
+shape = "rigid-cylinder"
+axis = "y"
+radius = 5.0
+angles = [-90.0, 90.0]
+length = 4.0
+divisions = [24, 1]
+translate = [{:?}, -1.0, -5.0]
+[[boundary]]
+nodes = "strip.x-"
+fix = ["x"]
+[[boundary]]
+nodes = "strip.y-"
+fix = ["y"]
+[[boundary]]
+nodes = "roller"
+fix = ["x", "y", "z"]
+[[pressure]]
+surface = "strip.z+"
+value = {:?}
+[[interface]]
+name = "support"
+master = "roller"
+slave = "strip.z-"
+{integration}
+"#,
+        0.5 * length,
+        0.45 * length,
+        pressure_on(length),
+    )
+}
+
+/// It bends a strip by about a fiftieth of its length.
+fn pressure_on(length: f64) -> f64 {
+    0.02 * length * 384.0 * 210_000.0 / 12.0 / (5.0 * length.powi(4))
+}
+
+/// The penetration by default is a ten-thousandth of what a slender strip bends by: gaps that are not linear open all contact.
+#[test]
+fn slender_strips_on_a_line_bend_as_beams_do() {
+    let faces = "integration = \"faces\"";
+    for (length, cells, integration) in [
+        (100.0, 50, faces),
+        (100.0, 50, ""),
+        (200.0, 100, faces),
+        (200.0, 100, ""),
+        (1000.0, 250, faces),
+        (1000.0, 250, ""),
+    ] {
+        let (notes, state, _) = run(&on_a_roller(length, cells, integration), "[time]\nincrement = 0.25");
+        assert!(notes.cuts.is_empty(), "{length} {integration}: {:?}", notes.cuts);
+        let iterations: usize = notes.increments.iter().map(|record| record.iterations).sum();
+        assert!(iterations <= 36, "{length} {integration}: {iterations}");
+        let last = notes.increments.last().unwrap();
+        let load = pressure_on(length) * length;
+        assert!((last.contacts[0].force[2] / load - 1.0).abs() < 1e-3, "{:?}", last.contacts[0].force);
+        // Of a beam with free ends on two supports.
+        let (span, end, bending) = (0.9 * length, 0.05 * length, 2.0 * 210_000.0 / 12.0);
+        let theory = 2.0 * pressure_on(length) / bending
+            * (5.0 * span.powi(4) / 384.0 - end.powi(2) * span.powi(2) / 16.0);
+        let (middle, support) = (state.positions[0], state.positions[cells * 9 / 10]);
+        assert!(
+            (support[2] - middle[2]) / theory > 0.98 && (support[2] - middle[2]) / theory < 1.03,
+            "{length} {integration}: {middle:?} {support:?} {theory}"
+        );
+    }
+}
+
+/// No row of nodes is above the roller.
+#[test]
+fn contact_that_opens_again_and_again_is_found_with_softer_penalties() {
+    let (notes, ..) = run(&on_a_roller(500.0, 125, "integration = \"faces\""), "[time]\nincrement = 0.1");
+    assert!(notes.cuts.is_empty(), "{:?}", notes.cuts);
+    assert!(notes.increments.iter().any(|record| record.softened));
+    let last = notes.increments.last().unwrap();
+    let load = pressure_on(500.0) * 500.0;
+    assert!((last.contacts[0].force[2] / load - 1.0).abs() < 1e-3, "{:?}", last.contacts[0].force);
+}
+
+/// Euler's column whose ends do not turn, free to move sideways above: π² E I / L² in two directions.
+#[test]
+fn a_column_under_more_than_its_critical_load_is_told_to_be_unstable() {
+    let column = |shortening: f64| {
+        format!(
+            "[materials.steel]\nyoung = 210000.0\npoisson = 0.0\n[parts.column]\nshape = \"box\"\nsize = [1.0, 1.0, 50.0]\n\
+             divisions = [1, 1, 50]\nelement = \"hex8i\"\nmaterial = \"steel\"\n[[boundary]]\nnodes = \"column.z-\"\n\
+             fix = [\"x\", \"y\", \"z\"]\n[[boundary]]\nnodes = \"column.z+\"\ntranslate = [\"free\", \"free\", {:?}]\n",
+            -shortening
+        )
+    };
+    let critical = std::f64::consts::PI.powi(2) / 12.0 / 50.0;
+    for (part, negative) in [(0.97, 0), (1.04, 2), (3.8, 2), (4.2, 4)] {
+        // The last increment's stiffness is that at its beginning.
+        let time = "[time]\nincrement = 0.01";
+        let (notes, ..) = run(&column(part * critical), time);
+        let last = notes.increments.last().unwrap();
+        assert_eq!((last.negative, last.is_unstable()), (Some(negative), negative > 0), "{part}");
+    }
+}
+
+/// Averages over faces of half the roller's radius close a sixtieth of it late: a tenth of what the strip moves.
+#[test]
+fn faces_that_touch_late_are_told() {
+    let late = |cells: usize| {
+        let (notes, ..) =
+            run(&on_a_roller(50.0, cells, "integration = \"faces\""), "[time]\nincrement = 0.5");
+        let penetrations = &notes.increments.last().unwrap().penetrations;
+        penetrations.iter().map(|(_, found)| found.part_of_motion).fold(0.0, f64::max)
+    };
+    assert!(late(10) > 0.05 && late(10) < 0.3, "{}", late(10));
+    assert!(late(100) == 0.0, "{}", late(100));
+}
+
+/// A strip whose middle is moved down onto a roller below the middle of a face of twice its radius: an average gap closes a sixth of the
+/// face's size late, a point when it touches.
+#[test]
+fn points_of_coarse_faces_carry_what_a_beam_does() {
+    // A cantilever from the middle of the strip, which goes down by 2, to the roller.
+    let theory = 3.0 * 210_000.0 * (2.0 / 12.0) * 2.0 / 45.0_f64.powi(3);
+    let force = |pressures: &str| {
+        let integration = format!("integration = {{ over = \"faces\", pressures = \"{pressures}\" }}");
+        let moved = "nodes = \"strip.x-\"\ntranslate = [0.0, \"free\", -2.0]";
+        let deck = on_a_roller(100.0, 5, &integration)
+            .replace("nodes = \"strip.x-\"\nfix = [\"x\"]", moved)
+            .replace(&format!("value = {:?}", pressure_on(100.0)), "value = 0.0");
+        let (notes, ..) = run(&deck, "[time]\nincrement = 0.25");
+        let iterations: usize = notes.increments.iter().map(|record| record.iterations).sum();
+        let last = notes.increments.last().unwrap();
+        let found = &last.contacts[0];
+        assert!((found.force[2] / found.normal - 1.0).abs() < 0.01, "{found:?}");
+        assert!(pressures == "nodes" || iterations <= 44 && notes.cuts.is_empty(), "{iterations}");
+        (found.force[2] / theory, found.area, last.max_penetration)
+    };
+    let (points, area, deep) = force("points");
+    assert!(points > 0.98 && points < 1.04, "{points}");
+    // What touches is narrow beside the face.
+    assert!(area < 4.0 && deep > 0.0 && deep < 0.05, "{area} {deep}");
+    let (averages, ..) = force("nodes");
+    assert!(averages < 0.9, "{averages}");
+}

@@ -420,6 +420,32 @@ fn mistakes_name_the_element_and_the_expression() {
     }
 }
 
+#[test]
+fn formulas_that_are_never_finite_are_refused() {
+    type Formula = for<'g> fn(Expr<'g>) -> Expr<'g>;
+    let never: [Formula; 8] = [
+        |x| x * x * f64::NAN,
+        |x| x * x + f64::INFINITY,
+        |x| x * x / 0.0,
+        |x| x * x + (0.0 * x).powi(-1),
+        |x| x * x + x.sheet().number(0.0).ln(),
+        |x| x * x + x.sheet().number(-2.0).sqrt() * x,
+        |x| x * x + x.sheet().number(-2.0).powf(0.5),
+        |x| x.less(0.0).select(x * f64::NAN, x * x),
+    ];
+    for (k, formula) in never.into_iter().enumerate() {
+        let found = Config::new().element("a", |m| m.energy(formula(m.variable("x"))));
+        let Err(ConfigError::Element { source, .. }) = found else { panic!("formula {k}") };
+        assert_eq!(source, ElementError::NeverFinite { output: "energy".into() }, "{k}");
+    }
+    // A choice and its condition may begin at infinity.
+    let found = Config::new().element("a", |m| {
+        let x: Expr<'_> = m.variable("x");
+        m.energy(x.less(f64::INFINITY).select(x * x, f64::INFINITY));
+    });
+    assert!(found.is_ok());
+}
+
 /// A name in the formulas need not be one in the code.
 #[test]
 fn any_name_may_be_given_to_an_expression() {

@@ -14,8 +14,22 @@
 #endif
 #endif
 
+/* gcc looks at all pairs of a loop's entries for parts of it that are copies: minutes for hundreds of entries. */
+#ifndef DIFFUSE_CONTACT_WHOLE_LOOPS
+#if defined(__GNUC__) && !defined(__clang__)
+#define DIFFUSE_CONTACT_WHOLE_LOOPS \
+    __attribute__((optimize("no-tree-loop-distribute-patterns", "no-tree-loop-distribution")))
+#else
+#define DIFFUSE_CONTACT_WHOLE_LOOPS
+#endif
+#endif
+
+#ifdef __cplusplus
+#define restrict __restrict
+#endif
+
 #ifndef DIFFUSE_CONTACT_ELEMENT_SPRING
-#define DIFFUSE_CONTACT_ELEMENT_SPRING 3211374040u
+#define DIFFUSE_CONTACT_ELEMENT_SPRING 1814429944u
 
 /* A spring between two points, linear in its stretch. */
 typedef struct {
@@ -48,6 +62,7 @@ static inline void spring_value(const spring_inputs *inputs, spring_values *valu
 }
 
 /* Many elements: value. Entry i of element k is at i * count + k of each array; entries of inputs and values are in the order of the structs. */
+DIFFUSE_CONTACT_WHOLE_LOOPS
 static inline void spring_value_batch(size_t count, const double *restrict inputs, double *restrict values) {
     DIFFUSE_CONTACT_INDEPENDENT
     for (size_t k = 0; k < count; k++) {
@@ -99,6 +114,7 @@ static inline void spring_gradient(const spring_inputs *inputs, spring_values *v
 }
 
 /* Many elements: gradient. Entry i of element k is at i * count + k of each array; entries of inputs and values are in the order of the structs. */
+DIFFUSE_CONTACT_WHOLE_LOOPS
 static inline void spring_gradient_batch(size_t count, const double *restrict inputs, double *restrict values, double *restrict gradient) {
     DIFFUSE_CONTACT_INDEPENDENT
     for (size_t k = 0; k < count; k++) {
@@ -195,6 +211,7 @@ static inline void spring_hessian(const spring_inputs *inputs, spring_values *va
 }
 
 /* Many elements: hessian. Entry i of element k is at i * count + k of each array; entries of inputs and values are in the order of the structs. */
+DIFFUSE_CONTACT_WHOLE_LOOPS
 static inline void spring_hessian_batch(size_t count, const double *restrict inputs, double *restrict values, double *restrict gradient, double *restrict hessian) {
     DIFFUSE_CONTACT_INDEPENDENT
     for (size_t k = 0; k < count; k++) {
@@ -303,6 +320,7 @@ static inline void spring_product(const spring_inputs *inputs, const double dire
 }
 
 /* Many elements: product. Entry i of element k is at i * count + k of each array; entries of inputs and values are in the order of the structs. */
+DIFFUSE_CONTACT_WHOLE_LOOPS
 static inline void spring_product_batch(size_t count, const double *restrict inputs, const double *restrict direction, double *restrict hessian_product) {
     DIFFUSE_CONTACT_INDEPENDENT
     for (size_t k = 0; k < count; k++) {
@@ -346,6 +364,10 @@ static inline void spring_product_batch(size_t count, const double *restrict inp
         hessian_product[5 * count + k] = by_part_12_rate_2;
     }
 }
-#elif DIFFUSE_CONTACT_ELEMENT_SPRING != 3211374040u
+#elif DIFFUSE_CONTACT_ELEMENT_SPRING != 1814429944u
 #error "there are two elements spring, or two sets of kernels of it"
+#endif
+
+#ifdef __cplusplus
+#undef restrict
 #endif

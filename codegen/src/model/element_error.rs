@@ -60,6 +60,11 @@ pub enum ElementError {
         "`{output}` is differentiated and contains a residual, a number of iterations or a pivot ratio, which have no derivatives; state these by `value`"
     )]
     Figure { output: String },
+    /// A constant that is infinite or no number, or a division by the constant 0.
+    #[error(
+        "`{output}` is never finite: it contains a constant that is infinite or no number, or a division by 0; only a choice may begin at infinity"
+    )]
+    NeverFinite { output: String },
     /// There is no input or output of this name to be described.
     #[error("there is no input or output `{name}` to describe")]
     Unknown { name: String },

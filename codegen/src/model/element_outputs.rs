@@ -365,6 +365,9 @@ fn check_output(output: &str, x: Expr<'_>, declared: &[&str]) -> Result<(), Elem
             continue;
         }
         open.extend(graph.dependencies(expr));
+        if is_never_finite(&graph, expr, x.id()) {
+            return Err(ElementError::NeverFinite { output: output.to_owned() });
+        }
         let Op::Symbol(symbol) = graph.op(expr) else { continue };
         let symbol = graph.symbol_data(symbol);
         if symbol.definition.is_none() && !declared.contains(&symbol.name.as_str()) {
@@ -376,6 +379,23 @@ fn check_output(output: &str, x: Expr<'_>, declared: &[&str]) -> Result<(), Elem
         }
     }
     Ok(())
+}
+
+/// Whether it is no number whatever the inputs are, or would be in all but a choice, which may begin at infinity.
+fn is_never_finite(graph: &Graph, expr: ExprId, output: ExprId) -> bool {
+    let constant = |x: ExprId| match graph.op(x) {
+        Op::Constant(bits) => Some(f64::from_bits(bits)),
+        _ => None,
+    };
+    let is_infinite = |x: ExprId| constant(x).is_some_and(f64::is_infinite);
+    match graph.op(expr) {
+        Op::Constant(bits) => f64::from_bits(bits).is_nan() || expr == output && is_infinite(expr),
+        Op::Select { .. } => false,
+        Op::Div(x, y) => is_infinite(x) || constant(y) == Some(0.0),
+        Op::Sqrt(x) => constant(x).is_some_and(|x| !x.sqrt().is_finite()),
+        Op::RealPower(x, y) => constant(x).zip(constant(y)).is_some_and(|(x, y)| !x.powf(y).is_finite()),
+        _ => graph.operands(expr).into_iter().any(is_infinite),
+    }
 }
 
 /// Whether derivatives of an output are also those of how an iteration or a factorisation went. Conditions are not differentiated, but

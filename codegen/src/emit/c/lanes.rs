@@ -53,6 +53,7 @@ pub(super) fn functions(program: &Program<ElementSpec>, derivatives: &[String], 
     );
     let mut text = format!(
         "\n/* Elements side by side, at most DIFFUSE_CONTACT_LANES: part of the batch. */\n\
+         DIFFUSE_CONTACT_WHOLE_LOOPS\n\
          static inline void {name}_lanes(size_t lanes, size_t elements, size_t count, {arrays}) {{\n"
     );
     text += &body(program, derivatives);

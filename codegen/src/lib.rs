@@ -117,7 +117,7 @@ mod table;
 
 pub use config::{Config, ConfigError};
 pub use expr::{Expr, Sheet};
-pub use graph::Limits;
+pub use graph::{Limits, Polynomial};
 pub use model::{
     Basis, BasisError, CustomBasis, Defined, ElementError, ElementKernels, ElementModel, FacetShape,
     FrameRule, Kernel, KernelSpec, Mode, NodeResult, Output, Stationary, Weight, WeightError, WeightNote,

@@ -212,6 +212,7 @@ fn a_squared_norm_has_its_hessian_everywhere() {
     let squares: [fn(Vec3<'_>) -> Expr<'_>; 9] = [
         |x| 0.5 * x.norm().powi(2),
         |x| 0.5 * x.norm() * x.norm(),
+        |x| 0.5 * x.dot(x).sqrt().powi(2),
         |x| 0.25 * x.norm().powi(2) + 0.25 * (x.norm() * x[2]).powi(2) / x[2].powi(2),
         |x| 0.5 * x.norm().powf(2.0) + x.norm().powi(4) - x.norm() * x.norm().powi(3),
         // Over a radius, as weights have it.

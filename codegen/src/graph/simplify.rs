@@ -281,6 +281,8 @@ impl Graph {
                 let (hh, yy) = (self.mul(h, h), self.mul(y, y));
                 self.div(hh, yy)
             }
+            // (√q)²ᵏ → qᵏ: its derivatives are finite where q is 0
+            (_, Op::Sqrt(square)) if exponent > 0 && exponent % 2 == 0 => self.power(square, exponent / 2),
             (2, _) => self.mul(x, x),
             // (xʲ)ᵏ → xʲᵏ for integers
             (_, Op::Power(base, inner)) => match inner.checked_mul(exponent) {

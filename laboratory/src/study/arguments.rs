@@ -226,6 +226,9 @@ pub struct HertzArguments {
     /// Penalty over E/h of the curved body's cells
     #[arg(long, value_name = "F", default_value_t = 5.0, value_parser = positive)]
     pub penalty: f64,
+    /// Pressures of integration points, in place of those averaged to nodes
+    #[arg(long)]
+    pub points: bool,
     /// How much of both bodies there is, half widths, more than the 1.3 or so of equally long cells [default: 20 of a cylinder, 10 of a
     /// ball]
     #[arg(long, value_name = "W", value_parser = positive)]

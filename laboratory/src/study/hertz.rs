@@ -5,8 +5,9 @@
 //! touch. What lies farther away changes how far they approach, not the pressure at a force: that of the run is put into the closed form.
 
 use clap::ValueEnum;
+use diffuse_contact::faces::{FacePressures, FaceRule};
 use diffuse_contact::surface::SymmetryPlane;
-use diffuse_contact_solver::contact::SlaveState;
+use diffuse_contact_solver::contact::{Integration, SlaveState};
 use diffuse_contact_solver::deck::{Deck, Reference};
 use diffuse_contact_solver::model::Model;
 use diffuse_contact_solver::model::shape::Shape;
@@ -54,6 +55,7 @@ struct Case {
     approach: f64,
     /// Of the interface, over E/h of the curved body's cells.
     penalty: f64,
+    pressures: FacePressures,
 }
 
 impl Case {
@@ -80,7 +82,8 @@ impl Case {
         }
         let approach = approach * half_width * half_width / radius;
         let (name, penalty) = (name(body), arguments.penalty);
-        Ok(Self { name, is_slice, half_width, radius, extent, approach, penalty })
+        let pressures = if arguments.points { FacePressures::Points } else { FacePressures::Nodes };
+        Ok(Self { name, is_slice, half_width, radius, extent, approach, penalty, pressures })
     }
 
     /// From the line or the point of first touch.
@@ -259,6 +262,7 @@ fn scene(case: &Case, cells: usize, exchange: bool) -> Result<(Deck, Model), Sol
     }
     deck.boundaries[3].motion.translation[2] = -case.approach;
     for interface in &mut deck.interfaces {
+        interface.integration = Integration::Faces { rule: FaceRule::Second, pressures: case.pressures };
         interface.penalty = Some(case.penalty * YOUNG / size);
         interface.exchange = exchange;
         if case.is_slice {

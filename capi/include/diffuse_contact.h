@@ -1334,6 +1334,12 @@ enum dc_status dc_faces_set_symmetry(struct dc_faces *faces,
                                      const double *planes,
                                      size_t plane_count);
 
+// Where the pressure follows from the gap: `pressures` is a dc_face_pressures, DC_NODE_PRESSURES before the first call. Take
+// DC_POINT_PRESSURES, by dc_faces_evaluate with no multipliers, where faces are coarse beside the master's curvature: an average
+// gap closes late there. The next dc_faces_evaluate sees it.
+enum dc_status dc_faces_set_pressures(struct dc_faces *faces,
+                                      int32_t pressures);
+
 // The flat facets between all nodes of faces of second order, as dc_faces_create takes them: 4 for each face with 6 nodes, 5 for one
 // with 8, 4 for one with 9. `quadratic`: `nodes_per_face` nodes for each face, corners counter-clockwise seen from outside, then the middles
 // of the edges from the first corner on, then the centre. `facets` has room for `facet_capacity` facets of 4 nodes.
@@ -1482,7 +1488,7 @@ enum dc_status dc_faces_set_history(struct dc_faces *faces,
 // What contact is at the integration points that lie over the master, face by face, by the pressures of the last dc_faces_evaluate; found
 // anew by each call. `faces_of_points` gets numbers of their faces among the slave's; `positions` places on the slave's own smooth surface,
 // 3 numbers each, length; `areas` what each stands for of its face in the first configuration, length^2; `gaps` length; `normals` the unit
-// normals of the master, 3 numbers each; `pressures` force per area; `tractions` friction on the slave, 3 numbers each, force per area.
+// normals of the master, 3 numbers each; `pressures` force per area, interpolated between the nodes or their own as dc_faces_set_pressures says; `tractions` friction on the slave, 3 numbers each, force per area.
 //
 // Each may be NULL. With all of them NULL `point_count` gets how many points there are. DC_BAD_SIZE where `capacity` is less.
 // DC_NOT_EVALUATED at positions that have no evaluation.

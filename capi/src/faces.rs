@@ -224,8 +224,8 @@ pub unsafe extern "C" fn dc_faces_set_symmetry(
 }
 
 /// Where the pressure follows from the gap: `pressures` is a dc_face_pressures, DC_NODE_PRESSURES before the first call. Take
-/// DC_POINT_PRESSURES, by dc_faces_evaluate with no multipliers, where faces are coarse beside the master's curvature: an average
-/// gap closes late there. The next dc_faces_evaluate sees it.
+/// DC_POINT_PRESSURES where faces are coarse beside the master's curvature: an average gap closes late there. Multipliers are
+/// interpolated between the nodes then. The next dc_faces_evaluate sees it.
 #[unsafe(no_mangle)]
 pub extern "C" fn dc_faces_set_pressures(faces: *mut dc_faces, pressures: i32) -> dc_status {
     call(faces, |state| {

@@ -315,6 +315,33 @@ fn names_in_c_are_those_of_the_formulas() {
     assert!(matches!(&error, ConfigError::DuplicateConstant { name } if name == "TWO_R_JACOBIAN"), "{error}");
 }
 
+/// With a compiler for C++, which a machine may lack, the headers are C++ as well.
+#[test]
+fn headers_are_those_of_cpp_too() {
+    let formulas = |m: &ElementModel<'_>| {
+        let [new, null] = m.parameters(["new", "NULL"]);
+        let x: Expr<'_> = m.variable("x");
+        let root = m.root("template", |u: Vector<'_, 1>| u * u[0] - Vector([x * x + new]));
+        m.energy(null * x * x * root.unknowns[0]);
+    };
+    let config = Config::new().element("spring", formulas).unwrap().element("fitted", fitted).unwrap();
+    let folder = std::path::Path::new(env!("CARGO_TARGET_TMPDIR")).join("cpp");
+    std::fs::create_dir_all(&folder).unwrap();
+    let program = "#define restrict mine\n#include \"elements.h\"\n#include \"elements.h\"\n";
+    for (name, text) in [("elements.h", config.c_source().unwrap()), ("main.cpp", program.to_owned())] {
+        std::fs::write(folder.join(name), text).unwrap();
+    }
+    let mut compile = Command::new(std::env::var("CXX").unwrap_or_else(|_| "c++".to_owned()));
+    compile.args(["-std=c++11", "-Wall", "-Wextra", "-Werror", "-fsyntax-only", "main.cpp"]);
+    match compile.current_dir(&folder).output() {
+        Ok(output) => assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr)),
+        Err(error) => {
+            assert!(std::env::var_os("DIFFUSE_CONTACT_REQUIRE_TOOLS").is_none(), "{error}");
+            eprintln!("there is no compiler for C++: {error}");
+        }
+    }
+}
+
 /// A spring to a weighted average, and a fit with a root of it: loops over nodes, values kept between them, products of rows.
 fn fitted(m: &ElementModel<'_>) {
     let (x, stiffness): (Vec3<'_>, Expr<'_>) = (m.variable("x"), m.parameter("node"));

@@ -206,13 +206,40 @@ fn norms_that_choices_leave_out_are_not_divided() {
     }
 }
 
+/// A table of choices has a copy of the norm for each; where choices multiply them beyond that, the norm stays one.
+#[test]
+fn norms_in_many_choices_are_copied_within_limits() {
+    let table = |knots: u8| {
+        kernels(|m| {
+            let (v, p) = (m.variable::<Vec2<'_>>("v"), m.parameter::<Expr<'_>>("p"));
+            let r = (v / p).norm();
+            let step = |rest, k| p.less(f64::from(k)).select((f64::from(k) * r).cos(), rest);
+            m.energy((1..=knots).rev().fold((100.0 * r).cos(), step));
+        })
+    };
+    for (knots, expected) in [(20, -16.0 / 12.25), (60, 0.0)] {
+        let at = results(&table(knots), &[&[0.0, 0.0], &[3.5]], &[]);
+        assert!(
+            difference(&at("hessian"), &[expected, 0.0, expected]) < 1e-15,
+            "{knots}: {:?}",
+            at("hessian")
+        );
+        let at = results(&table(knots), &[&[3.5e-3, 0.0], &[3.5]], &[]);
+        assert!((at("hessian")[0] + 16.0 * 4e-3_f64.cos() / 12.25).abs() < 1e-9);
+    }
+    let doubled = kernels(|m| {
+        let (v, p) = (m.variable::<Vec2<'_>>("v"), m.parameter::<Expr<'_>>("p"));
+        m.energy((0..30).fold((v / p).norm(), |a, k| p.less(f64::from(k)).select(a.sin(), a.cos())));
+    });
+    assert!(results(&doubled, &[&[1.0, 2.0], &[3.5]], &[])("hessian").iter().all(|x| x.is_finite()));
+}
+
 /// A spring of length zero: no norm of a part, and no norm at the origin, takes its stiffness.
 #[test]
 fn a_squared_norm_has_its_hessian_everywhere() {
-    let squares: [fn(Vec3<'_>) -> Expr<'_>; 9] = [
+    let squares: [fn(Vec3<'_>) -> Expr<'_>; 10] = [
         |x| 0.5 * x.norm().powi(2),
         |x| 0.5 * x.norm() * x.norm(),
-        |x| 0.5 * x.dot(x).sqrt().powi(2),
         |x| 0.25 * x.norm().powi(2) + 0.25 * (x.norm() * x[2]).powi(2) / x[2].powi(2),
         |x| 0.5 * x.norm().powf(2.0) + x.norm().powi(4) - x.norm() * x.norm().powi(3),
         // Over a radius, as weights have it.
@@ -221,6 +248,7 @@ fn a_squared_norm_has_its_hessian_everywhere() {
         |x| (x.norm() / 3.0).polynomial(Polynomial::new(vec![0.0, 0.0, 4.5])),
         |x| (0.25 * x.norm()).polynomial(Polynomial::new(vec![1.0, 0.0, 8.0])),
         |x| 4.5 * (0.5 * x.norm() / 1.5).powi(2),
+        |x| 0.5 * x.dot(x).sqrt().powi(2),
     ];
     for (k, square) in squares.into_iter().enumerate() {
         let element = kernels(|m| {

@@ -24,12 +24,16 @@
 #endif
 #endif
 
+#ifndef DIFFUSE_CONTACT_RESTRICT
 #ifdef __cplusplus
-#define restrict __restrict
+#define DIFFUSE_CONTACT_RESTRICT __restrict
+#else
+#define DIFFUSE_CONTACT_RESTRICT restrict
+#endif
 #endif
 
 #ifndef DIFFUSE_CONTACT_ELEMENT_SPRING
-#define DIFFUSE_CONTACT_ELEMENT_SPRING 1814429944u
+#define DIFFUSE_CONTACT_ELEMENT_SPRING 2285013512u
 
 /* A spring between two points, linear in its stretch. */
 typedef struct {
@@ -63,7 +67,7 @@ static inline void spring_value(const spring_inputs *inputs, spring_values *valu
 
 /* Many elements: value. Entry i of element k is at i * count + k of each array; entries of inputs and values are in the order of the structs. */
 DIFFUSE_CONTACT_WHOLE_LOOPS
-static inline void spring_value_batch(size_t count, const double *restrict inputs, double *restrict values) {
+static inline void spring_value_batch(size_t count, const double *DIFFUSE_CONTACT_RESTRICT inputs, double *DIFFUSE_CONTACT_RESTRICT values) {
     DIFFUSE_CONTACT_INDEPENDENT
     for (size_t k = 0; k < count; k++) {
         const double x_1_x = inputs[0 * count + k];
@@ -115,7 +119,7 @@ static inline void spring_gradient(const spring_inputs *inputs, spring_values *v
 
 /* Many elements: gradient. Entry i of element k is at i * count + k of each array; entries of inputs and values are in the order of the structs. */
 DIFFUSE_CONTACT_WHOLE_LOOPS
-static inline void spring_gradient_batch(size_t count, const double *restrict inputs, double *restrict values, double *restrict gradient) {
+static inline void spring_gradient_batch(size_t count, const double *DIFFUSE_CONTACT_RESTRICT inputs, double *DIFFUSE_CONTACT_RESTRICT values, double *DIFFUSE_CONTACT_RESTRICT gradient) {
     DIFFUSE_CONTACT_INDEPENDENT
     for (size_t k = 0; k < count; k++) {
         const double x_1_x = inputs[0 * count + k];
@@ -212,7 +216,7 @@ static inline void spring_hessian(const spring_inputs *inputs, spring_values *va
 
 /* Many elements: hessian. Entry i of element k is at i * count + k of each array; entries of inputs and values are in the order of the structs. */
 DIFFUSE_CONTACT_WHOLE_LOOPS
-static inline void spring_hessian_batch(size_t count, const double *restrict inputs, double *restrict values, double *restrict gradient, double *restrict hessian) {
+static inline void spring_hessian_batch(size_t count, const double *DIFFUSE_CONTACT_RESTRICT inputs, double *DIFFUSE_CONTACT_RESTRICT values, double *DIFFUSE_CONTACT_RESTRICT gradient, double *DIFFUSE_CONTACT_RESTRICT hessian) {
     DIFFUSE_CONTACT_INDEPENDENT
     for (size_t k = 0; k < count; k++) {
         const double x_1_x = inputs[0 * count + k];
@@ -321,7 +325,7 @@ static inline void spring_product(const spring_inputs *inputs, const double dire
 
 /* Many elements: product. Entry i of element k is at i * count + k of each array; entries of inputs and values are in the order of the structs. */
 DIFFUSE_CONTACT_WHOLE_LOOPS
-static inline void spring_product_batch(size_t count, const double *restrict inputs, const double *restrict direction, double *restrict hessian_product) {
+static inline void spring_product_batch(size_t count, const double *DIFFUSE_CONTACT_RESTRICT inputs, const double *DIFFUSE_CONTACT_RESTRICT direction, double *DIFFUSE_CONTACT_RESTRICT hessian_product) {
     DIFFUSE_CONTACT_INDEPENDENT
     for (size_t k = 0; k < count; k++) {
         const double x_1_x = inputs[0 * count + k];
@@ -364,10 +368,6 @@ static inline void spring_product_batch(size_t count, const double *restrict inp
         hessian_product[5 * count + k] = by_part_12_rate_2;
     }
 }
-#elif DIFFUSE_CONTACT_ELEMENT_SPRING != 1814429944u
+#elif DIFFUSE_CONTACT_ELEMENT_SPRING != 2285013512u
 #error "there are two elements spring, or two sets of kernels of it"
-#endif
-
-#ifdef __cplusplus
-#undef restrict
 #endif

@@ -89,9 +89,6 @@ def test_points_may_have_pressures_of_their_own():
     assert np.allclose(points.pressure, PENALTY * np.maximum(0.0, -points.gap), rtol=1e-12)
     expected = PENALTY * 4.0 / 3.0 * 0.01 * np.sqrt(60.0 * 0.01) * 6.0
     assert np.isclose(faces.forces().reshape(-1, 3)[len(positions) - 4 :, 2].sum(), expected, rtol=0.03)
-    with pytest.raises(dc.InterfaceError) as refused:
-        faces.evaluate(PENALTY, multipliers=np.ones(4))
-    assert refused.value.code == "point-multipliers"
     with pytest.raises(dc.InputError) as refused:
         dc.FaceInterface(surface, slave, positions, pressures="faces")
     assert refused.value.code == "invalid-option"

@@ -261,7 +261,7 @@ fn faces_give_what_the_runtime_gives() {
     assert_eq!(dc_faces_destroy(handle), DC_OK);
 }
 
-/// Points with pressures of their own have those of the runtime, and none with multipliers.
+/// Points with pressures of their own have those of the runtime.
 #[test]
 fn points_may_have_pressures_of_their_own() {
     let pair = Pair::new();
@@ -287,10 +287,6 @@ fn points_may_have_pressures_of_their_own() {
     }
     assert!(forces[1] == sum && forces[0] != sum);
     assert_eq!(dc_faces_set_pressures(handle, 2), DC_BAD_OPTION);
-    // SAFETY: as many multipliers as slaves.
-    let status = unsafe { dc_faces_evaluate(handle, &law(&[0.0; 25]), 1) };
-    assert_eq!(status, DC_BAD_OPTION, "{}", message());
-    assert!(message().starts_with("point-multipliers: "), "{}", message());
     assert_eq!(dc_faces_destroy(handle), DC_OK);
 }
 

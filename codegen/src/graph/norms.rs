@@ -3,6 +3,8 @@
 //! A function that is smooth where a norm is zero has ∂f/∂n = 0 there, and ∂f/∂q = (∂f/∂n)/(2 n) has a limit, ½ ∂²f/∂n². Rules that look at
 //! one operation at a time cannot know it: they have the direction of the norm, which is 0 there. The chain rule through n and q does.
 
+use std::collections::BTreeSet;
+
 use rustc_hash::{FxHashMap, FxHashSet};
 
 use super::{ExprId, Graph, Op, Scope};
@@ -17,12 +19,32 @@ struct Replaced {
 /// x < y of a choice, and whether it is what stands there if that is so.
 type Choice = (ExprId, ExprId, bool);
 
-/// Norms that are zero where they are left out.
-#[derive(Default)]
+/// Most copies of norms for the choices that they stand in: each has derivatives of its own.
+const MOST_COPIES: usize = 24;
+
+/// Norms that become zero where they are left out.
 struct Chosen {
+    norms: FxHashSet<ExprId>,
+    /// What is made of them.
+    above: FxHashSet<ExprId>,
+    /// How many norms stand in their place so far.
+    copies: usize,
     /// Those around the expression, outermost first.
     choices: Vec<Choice>,
     done: FxHashMap<(ExprId, Vec<Choice>), ExprId>,
+}
+
+impl Chosen {
+    fn new(graph: &Graph, expr: ExprId, norms: &FxHashSet<ExprId>) -> Self {
+        let mut above = norms.clone();
+        // Operands come before what is made of them.
+        for x in graph.reachable(expr, Graph::operands).into_iter().collect::<BTreeSet<_>>() {
+            if graph.operands(x).iter().any(|operand| above.contains(operand)) {
+                above.insert(x);
+            }
+        }
+        Self { norms: norms.clone(), above, copies: 0, choices: Vec::new(), done: FxHashMap::default() }
+    }
 }
 
 impl Graph {
@@ -34,21 +56,28 @@ impl Graph {
             matches!(g.op(x), Op::Hypot(..)) && g.scope(x) == Scope::Element && g.changes_with(x, variables)
         };
         let left_out = self.left_out(&[expr]);
-        let unsafe_norms: FxHashSet<ExprId> =
+        let mut unsafe_norms: FxHashSet<ExprId> =
             left_out.into_iter().filter(|&x| is_norm(self, x) && !self.is_smooth(x)).collect();
-        let expr = if unsafe_norms.is_empty() {
+        let mut chosen = Chosen::new(self, expr, &unsafe_norms);
+        let replaced = self.norms_chosen(expr, &mut chosen);
+        let expr = if chosen.copies > MOST_COPIES {
+            // They keep the rules of their operations, by which they have no second derivatives where they are zero.
             expr
         } else {
-            self.norms_chosen(expr, &unsafe_norms, &mut Chosen::default())
+            unsafe_norms.clear();
+            replaced
         };
         let all = self.reachable(expr, Self::operands);
-        let meant = all.into_iter().filter(|&x| is_norm(self, x)).collect();
+        let meant = all.into_iter().filter(|&x| is_norm(self, x) && !unsafe_norms.contains(&x)).collect();
         self.norms_replaced(expr, &mut Replaced { meant, done: Table::default() })
     }
 
     /// The expression with norms that are zero where the choices that they stand in leave them out. There they may have infinite
     /// derivatives, which a chain rule through their symbols would multiply by 0.
-    fn norms_chosen(&mut self, expr: ExprId, norms: &FxHashSet<ExprId>, chosen: &mut Chosen) -> ExprId {
+    fn norms_chosen(&mut self, expr: ExprId, chosen: &mut Chosen) -> ExprId {
+        if !chosen.above.contains(&expr) || chosen.copies > MOST_COPIES {
+            return expr;
+        }
         let key = (expr, chosen.choices.clone());
         if let Some(&known) = chosen.done.get(&key) {
             return known;
@@ -56,11 +85,12 @@ impl Graph {
         let op = self.op(expr);
         let result = match op {
             Op::Sum(_) | Op::Row(_) | Op::Column(_) => expr,
-            Op::Hypot(..) if norms.contains(&expr) => {
+            Op::Hypot(..) if chosen.norms.contains(&expr) => {
+                chosen.copies += 1;
                 let zero = self.zero();
                 let mut components = self.norm_components(expr);
                 for component in &mut components {
-                    *component = self.norms_chosen(*component, norms, chosen);
+                    *component = self.norms_chosen(*component, chosen);
                     // The innermost first.
                     for &(x, y, is_then) in chosen.choices.iter().rev() {
                         let (then, otherwise) = if is_then { (*component, zero) } else { (zero, *component) };
@@ -79,7 +109,7 @@ impl Graph {
                         _ => None,
                     };
                     chosen.choices.extend(choice);
-                    *operand = self.norms_chosen(*operand, norms, chosen);
+                    *operand = self.norms_chosen(*operand, chosen);
                     if choice.is_some() {
                         chosen.choices.pop();
                     }

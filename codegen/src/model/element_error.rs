@@ -62,7 +62,7 @@ pub enum ElementError {
     Figure { output: String },
     /// A constant that is infinite or no number, or a division by the constant 0.
     #[error(
-        "`{output}` is never finite: it contains a constant that is infinite or no number, or a division by 0; only a choice may begin at infinity"
+        "`{output}` is never finite: it contains a constant that is infinite or no number, or a division by 0; only a choice may contain infinity"
     )]
     NeverFinite { output: String },
     /// There is no input or output of this name to be described.

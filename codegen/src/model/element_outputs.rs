@@ -390,7 +390,8 @@ fn is_never_finite(graph: &Graph, expr: ExprId, output: ExprId) -> bool {
     let is_infinite = |x: ExprId| constant(x).is_some_and(f64::is_infinite);
     match graph.op(expr) {
         Op::Constant(bits) => f64::from_bits(bits).is_nan() || expr == output && is_infinite(expr),
-        Op::Select { .. } => false,
+        // The angle of what is infinite is finite.
+        Op::Select { .. } | Op::Atan2(..) => false,
         Op::Div(x, y) => is_infinite(x) || constant(y) == Some(0.0),
         Op::Sqrt(x) => constant(x).is_some_and(|x| !x.sqrt().is_finite()),
         Op::RealPower(x, y) => constant(x).zip(constant(y)).is_some_and(|(x, y)| !x.powf(y).is_finite()),

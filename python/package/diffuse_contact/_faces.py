@@ -147,7 +147,7 @@ class FaceInterface(FrictionHistory):
             quadrilateral of second order and what lies over it.
         pressures: where they follow from gaps: ``"nodes"``, from the average gap around each, or ``"points"``, at each
             integration point from its own gap. Points are for faces that are coarse beside the master's curvature,
-            where an average gap closes late; a stiff penalty makes their pressures rough. They take no multipliers.
+            where an average gap closes late; a stiff penalty makes their pressures rough.
         dofs: equations of the nodes' x, y and z, shape (p, 3), −1 where there is none; if left out, 3·node + axis.
         equations: number of equations; if left out, 3p, or the largest of ``dofs`` plus 1.
         symmetry: planes of symmetry of both surfaces, pairs of a point and the unit normal to the side of the model.

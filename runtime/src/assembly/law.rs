@@ -106,9 +106,20 @@ impl<'a> ContactLaw<'a> {
 
     /// The normal force, and what it was made of by a normal law of one's own.
     fn force_and_pressure(&self, k: usize, gap: f64, area: f64) -> (NormalForce, Option<NormalPressure>) {
+        self.force_with(self.multiplier(k), k, gap, area)
+    }
+
+    /// The same with this multiplier.
+    fn force_with(
+        &self,
+        multiplier: f64,
+        k: usize,
+        gap: f64,
+        area: f64,
+    ) -> (NormalForce, Option<NormalPressure>) {
         let Some(normal) = self.normal else {
             let stiffness = self.penalty * area;
-            let force = (self.multiplier(k) - stiffness * gap).max(0.0);
+            let force = (multiplier - stiffness * gap).max(0.0);
             return (NormalForce { force, stiffness }, None);
         };
         let at = normal.pressure(k, gap);
@@ -126,7 +137,26 @@ impl<'a> ContactLaw<'a> {
     /// # Panics
     /// If there are multipliers, but none for `k`.
     pub fn checked_normal_force(&self, k: usize, gap: f64, area: f64) -> Result<NormalForce, AssemblyError> {
-        let (found, own) = self.force_and_pressure(k, gap, area);
+        self.check_force(self.force_and_pressure(k, gap, area), k, gap, area)
+    }
+
+    /// The pressure at a point with a multiplier of its own. A normal law is asked for that of element `k`.
+    pub(crate) fn pressure_at(
+        &self,
+        multiplier: f64,
+        k: usize,
+        gap: f64,
+    ) -> Result<NormalForce, AssemblyError> {
+        self.check_force(self.force_with(multiplier, k, gap, 1.0), k, gap, 1.0)
+    }
+
+    fn check_force(
+        &self,
+        (found, own): (NormalForce, Option<NormalPressure>),
+        k: usize,
+        gap: f64,
+        area: f64,
+    ) -> Result<NormalForce, AssemblyError> {
         if let Some(NormalPressure { pressure, by_gap }) = own
             && !(pressure.is_finite() && by_gap.is_finite())
         {
@@ -197,7 +227,7 @@ impl<'a> ContactLaw<'a> {
         if self.friction.is_some() { elements.check_friction() } else { Ok(()) }
     }
 
-    fn multiplier(&self, k: usize) -> f64 {
+    pub(crate) fn multiplier(&self, k: usize) -> f64 {
         self.multipliers.map_or(0.0, |multipliers| multipliers[k])
     }
 

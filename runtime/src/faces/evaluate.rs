@@ -222,8 +222,13 @@ impl FaceInterface {
             load
         };
         let loads: Vec<FaceLoad> = self.faces.iter().map(load).collect();
-        let is_loaded =
-            |k: &usize| !self.cuts[*k].points.is_empty() && loads[*k].pressures.iter().any(|&p| p > 0.0);
+        let is_loaded = |k: &usize| {
+            let own = &self.cuts[*k].points;
+            let is_pressed = loads[*k].pressures.iter().any(|&p| p > 0.0);
+            // Without a traction no other point of the face counts.
+            let counts = loads[*k].tractions.is_some() || points.pressures.is_empty();
+            is_pressed && own.clone().any(|point| points.takes_part(point, counts))
+        };
         let loaded: Vec<usize> = (0..self.faces.len()).filter(is_loaded).collect();
         let memory = Mutex::new(earlier.into_iter().rev().flat_map(FacePart::into_memory).collect());
         let blocks: Vec<Vec<FaceBlock>> = self
@@ -466,9 +471,10 @@ fn point_pressure(
     functions: &[f64; 4],
     gap: f64,
 ) -> Result<NormalForce, AssemblyError> {
-    let own = places.iter().zip(functions).filter_map(|(place, n)| Some(((*place)?, *n)));
-    let nearest = own.max_by(|(_, one), (_, other)| one.total_cmp(other));
-    let found = law.checked_normal_force(nearest.map_or(0, |(place, _)| place), gap, 1.0)?;
+    let own = || places.iter().zip(functions).filter_map(|(place, n)| Some(((*place)?, *n)));
+    let nearest = own().max_by(|(_, one), (_, other)| one.total_cmp(other));
+    let multiplier = own().map(|(place, n)| n * law.multiplier(place)).sum();
+    let found = law.pressure_at(multiplier, nearest.map_or(0, |(place, _)| place), gap)?;
     Ok(NormalForce { stiffness: if found.force > 0.0 { found.stiffness } else { 0.0 }, ..found })
 }
 

@@ -17,7 +17,7 @@ use super::evaluate::Averages;
 use super::quadratic::Carrying;
 use super::track::Track;
 use super::window::Side;
-use super::{FaceInterface, sort};
+use super::{FaceInterface, FacePressures, sort};
 use crate::affine::Carrier;
 use crate::assembly::{AssemblyError, ContactLaw};
 use crate::friction::{Coulomb, FaceTraction, FrictionState, Sliding};
@@ -206,7 +206,12 @@ impl FaceInterface {
                     let (kept, slip) =
                         traction.as_ref().map_or((0.0, Vector3::zeros()), |of| (of.sliding.kept, of.slip));
                     let drawn = old.map_or(present.clone(), |old| old.towards(&present, 1.0 - kept));
-                    let opening = if is_open { law.opening(k, node.gap)? } else { 0.0 };
+                    // Of what touches first.
+                    let gap = match self.options.pressures {
+                        FacePressures::Nodes => node.gap,
+                        FacePressures::Points => node.smallest_gap,
+                    };
+                    let opening = if is_open { law.opening(k, gap)? } else { 0.0 };
                     let slides = traction.as_ref().is_some_and(|of| of.sliding.state == FrictionState::Slip);
                     // Where it sticks from now on: without any slip.
                     let stuck = || drawn.clone().with_slip(Vector3::zeros(), normals[k], &self.positions);

@@ -107,7 +107,7 @@ pub enum FacePressures {
     #[default]
     Nodes,
     /// At each integration point, from its own gap: for faces that touch with a small part of themselves, as coarse ones do on a small
-    /// radius. A stiff penalty makes pressures rough.
+    /// radius. A stiff penalty makes pressures rough. Multipliers are interpolated between the nodes, so that augmentation closes average gaps.
     Points,
 }
 
@@ -517,8 +517,8 @@ impl FaceInterface {
     /// [`Mode::Hessian`] the exact tangent. The law's penalty is per area, and so are its multipliers: pressures, one per node.
     ///
     /// # Errors
-    /// [`InterfaceError::NotRefreshed`] before the first refresh or update; [`InterfaceError::Law`]; [`InterfaceError::PointMultipliers`];
-    /// [`InterfaceError::OutOfMemory`], after which there are no contacts. A law with friction needs a state that was [accepted](Self::accept) before nodes carry pressure.
+    /// [`InterfaceError::NotRefreshed`] before the first refresh or update; [`InterfaceError::Law`]; [`InterfaceError::OutOfMemory`], after
+    /// which there are no contacts. A law with friction needs a state that was [accepted](Self::accept) before nodes carry pressure.
     pub fn evaluate(&mut self, law: &ContactLaw<'_>, mode: Mode) -> Result<&FaceContacts, InterfaceError> {
         self.check_law(law)?;
         let Averages { mut nodes, normals, points } = self.averages(law, law.friction.is_some())?;
@@ -539,9 +539,6 @@ impl FaceInterface {
     /// Whether the law can be evaluated now.
     fn check_law(&self, law: &ContactLaw<'_>) -> Result<(), InterfaceError> {
         law.validate(self.nodes.len())?;
-        if self.options.pressures == FacePressures::Points && law.multipliers.is_some() {
-            return Err(InterfaceError::PointMultipliers);
-        }
         if self.cut_at.is_none() { Err(InterfaceError::NotRefreshed) } else { Ok(()) }
     }
 }

@@ -38,11 +38,6 @@ pub enum InterfaceError {
         "contact integrated over faces needs the neighbour rule \"domains\", or the node-to-facet element"
     )]
     FacesNeedDomains,
-    /// Multipliers are the slave's nodes', and pressures those of points.
-    #[error(
-        "pressures of points take no multipliers: those of an augmented Lagrangian belong to the slave's nodes"
-    )]
-    PointMultipliers,
     /// The numbers of a saved history of friction are none. `place` is that of the first such number.
     #[error("number {place} of the history of friction is none of a history")]
     InvalidHistory { place: usize },
@@ -115,7 +110,6 @@ impl InterfaceError {
             Self::NoSymmetry => "no-symmetry",
             Self::NotRefreshed => "not-refreshed",
             Self::FacesNeedDomains => "faces-need-domains",
-            Self::PointMultipliers => "point-multipliers",
             Self::InvalidHistory { .. } => "invalid-history",
             Self::AnchorCount { .. } => "anchor-count",
             Self::ForeignCarrier { .. } => "foreign-carrier",

@@ -100,12 +100,10 @@ fn points_of_their_own_pressure_carry_what_averages_miss() {
         assert!(node.pressure > 0.0 && node.stiffness > 0.0 && node.stiffness < 50.0, "{node:?}");
     }
     pair.assert_balance_of(&pair.forces(contacts), 0.5 * expected);
-    // No multiplier belongs to a point.
-    let multipliers = vec![1.0; interface.slaves().len()];
-    let augmented = law.with_multipliers(Some(&multipliers));
-    assert_eq!(interface.evaluate(&augmented, Mode::Value).err(), Some(InterfaceError::PointMultipliers));
-    assert_eq!(
-        interface.accept(&augmented.with_friction(Coulomb::new(0.3, 1.0).ok())),
-        Err(InterfaceError::PointMultipliers)
-    );
+    // A multiplier of all nodes is one of all points, as if they lay deeper by λ/ε.
+    let multipliers = vec![50.0 * DEPTH; interface.slaves().len()];
+    let contacts = interface.evaluate(&law.with_multipliers(Some(&multipliers)), Mode::Gradient).unwrap();
+    let expected = expected * 2.0_f64.powf(1.5);
+    let found: f64 = pair.forces(contacts)[pair.first_slave..].iter().map(|force| force[2]).sum();
+    assert!((found - expected).abs() < 0.01 * expected, "{found} {expected}");
 }

@@ -69,7 +69,9 @@ pub fn adjust(
         let (mut extent, mut largest): (f64, f64) = (0.0, 0.0);
         for slave in interaction.slaves().filter(|slave| nodes.contains(&slave.node)) {
             let node = slave.node;
-            let Some(gap) = slave.gap else { return Err(AdjustError::Lost { node }) };
+            let Some(gap) = slave.gap.map(|_| slave.average_gap) else {
+                return Err(AdjustError::Lost { node });
+            };
             if gap.abs() >= largest {
                 (largest, worst) = (gap.abs(), (node, gap));
             }
@@ -107,7 +109,8 @@ fn within(
     limit: f64,
 ) -> Result<(BTreeSet<usize>, usize), AdjustError> {
     let (mut movable, mut held, mut count) = (BTreeSet::new(), 0, 0);
-    for slave in interaction.slaves().filter(|slave| slave.gap.is_some_and(|gap| gap.abs() <= limit)) {
+    let is_near = |slave: &SlaveState| slave.gap.is_some() && slave.average_gap.abs() <= limit;
+    for slave in interaction.slaves().filter(is_near) {
         let (node, size) = (slave.node, interaction.facet_size_at(slave.node));
         count += 1;
         if free_part(&slave, free) >= LEAST_FREE {

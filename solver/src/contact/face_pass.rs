@@ -15,8 +15,6 @@ use crate::system::{BlockMatrix, Symmetry};
 #[derive(Debug)]
 pub struct FacePass {
     interface: FaceInterface,
-    /// Where the pressure follows from the gap, but for slaves that are supposed to touch.
-    pressures: FacePressures,
     /// Penalty, multipliers and stiffness of friction are per area.
     state: PassState,
     /// The mode of the last evaluation.
@@ -49,8 +47,7 @@ impl FacePass {
             interface.set_quadratic_faces(&options.quadratic_faces).map_err(named)?;
         }
         let state = PassState::new(options, penalty, interface.slaves().len(), positions.len())?;
-        let (pressures, forces) = (face_options.pressures, vec![0.0; 3 * positions.len()]);
-        Ok(Self { interface, pressures, state, mode: Mode::Value, forces })
+        Ok(Self { interface, state, mode: Mode::Value, forces: vec![0.0; 3 * positions.len()] })
     }
 
     fn contacts(&self) -> &[NodeContact] {
@@ -59,8 +56,6 @@ impl FacePass {
 
     /// Gaps, pressures and forces by the law at the positions of the last update.
     fn apply_law(&mut self) -> Result<(), PassError> {
-        let pressures = if self.state.supposes { FacePressures::Nodes } else { self.pressures };
-        self.interface.set_pressures(pressures);
         let contacts = self.interface.evaluate(&self.state.law(), self.mode)?;
         self.forces.fill(0.0);
         contacts.add_forces(&self.state.dofs, &mut self.forces)?;
@@ -155,17 +150,15 @@ impl Pass for FacePass {
         Finder::Faces(&self.interface)
     }
 
-    fn multiplier_of(&self, slave: &SlaveState, gap: f64) -> f64 {
-        // Averages are supposed to close, whatever gap the slave has for its own.
-        let place = self.interface.slaves().binary_search(&slave.node);
-        let average = place.ok().map(|k| self.contacts()[k].gap).zip(slave.gap);
-        self.state.penalty() * (gap + average.map_or(0.0, |(average, own)| 2.0 * (average - own)))
+    fn multiplier_of(&self, _slave: &SlaveState, gap: f64) -> f64 {
+        self.state.penalty() * gap
     }
 
-    fn pressed(&self) -> Option<Pressed> {
-        if self.pressures == FacePressures::Nodes {
-            return None;
-        }
+    fn has_point_pressures(&self) -> bool {
+        self.interface.options().pressures == FacePressures::Points
+    }
+
+    fn pressed(&self) -> Pressed {
         let mut sum = Pressed::default();
         for point in self.interface.integration_points().unwrap_or_default() {
             if point.pressure > 0.0 {
@@ -173,7 +166,7 @@ impl Pass for FacePass {
                 sum.stored += 0.5 * point.area * point.pressure * (-point.gap).max(0.0);
             }
         }
-        Some(sum)
+        sum
     }
 
     fn slave_count(&self) -> usize {
@@ -205,10 +198,8 @@ impl Pass for FacePass {
                 },
                 Outcome::Contact { fallback } => SlaveState {
                     node,
-                    gap: Some(match self.pressures {
-                        FacePressures::Nodes => contact.gap,
-                        FacePressures::Points => contact.smallest_gap,
-                    }),
+                    gap: Some(if self.has_point_pressures() { contact.smallest_gap } else { contact.gap }),
+                    average_gap: contact.gap,
                     force,
                     normal,
                     nodal_force: [0, 1, 2].map(|axis| self.forces[3 * node + axis]),

@@ -41,8 +41,11 @@ fn sizes_around(areas: &[f64], facets: &[Facet]) -> HashMap<usize, f64> {
 pub struct SlaveState {
     /// The slave node.
     pub node: usize,
-    /// Its gap, length; `None` if it has no contact element.
+    /// Its gap, length; `None` if it has no contact element. Over faces the average around it, or where integration points have pressures of
+    /// their own the smallest one.
     pub gap: Option<f64>,
+    /// The average around it over faces, else the same, length: 0 without a contact element.
+    pub average_gap: f64,
     /// Contact force, ≥ 0.
     pub force: f64,
     /// Normal at the foot; zero without a gap.
@@ -73,6 +76,7 @@ impl SlaveState {
         Self {
             node,
             gap: None,
+            average_gap: 0.0,
             force: 0.0,
             normal: [0.0; 3],
             nodal_force: [0.0; 3],
@@ -210,10 +214,12 @@ impl Interaction {
         for (pass, size) in self.passes.iter().zip(&self.sizes) {
             let (penalty, multipliers) = (pass.state().penalty(), &pass.state().multipliers);
             let has_none = multipliers.iter().all(|&force| force == 0.0);
-            // Points of their own pressure are as deep as the slaves; before the first update there are none.
-            let averaged = pass.pressed().is_none();
-            for point in averaged.then(|| pass.integration_points().unwrap_or_default()).into_iter().flatten()
-            {
+            // Points with pressures of their own are as deep as the slaves.
+            if pass.has_point_pressures() {
+                continue;
+            }
+            // Before the first update there are none.
+            for point in pass.integration_points().unwrap_or_default() {
                 // Of a soft penalty all points are as deep as the average.
                 let average = if has_none { point.pressure / penalty } else { 0.0 };
                 if point.pressure > 0.0 && -point.gap > DEEPER * average {
@@ -453,7 +459,6 @@ impl Interaction {
             let mut multipliers =
                 if supposed.is_empty() { pass.state().multipliers.clone() } else { supposed };
             std::mem::swap(&mut pass.state_mut().multipliers, &mut multipliers);
-            pass.state_mut().supposes = true;
             self.before.push(multipliers);
         }
     }
@@ -467,7 +472,6 @@ impl Interaction {
     pub(super) fn recall(&mut self) {
         for (pass, before) in self.passes.iter_mut().zip(self.before.drain(..)) {
             pass.state_mut().multipliers = before;
-            pass.state_mut().supposes = false;
         }
     }
 

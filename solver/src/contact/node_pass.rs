@@ -301,6 +301,7 @@ impl Pass for NodePass {
                     SlaveState {
                         node,
                         gap: Some(point.gap),
+                        average_gap: point.gap,
                         force,
                         normal: point.normal,
                         nodal_force,

@@ -60,8 +60,6 @@ pub struct PassState {
     penalty: f64,
     /// Factor on the penalty, 1 but on the way to equilibrium.
     pub softness: f64,
-    /// Whether slaves are supposed to touch, by multipliers of their average gaps.
-    pub supposes: bool,
     pub tangent: TangentRule,
     pub friction: Option<PassFriction>,
     /// What friction remembers besides the interface's history, which is left empty here.
@@ -89,7 +87,6 @@ impl PassState {
         Ok(Self {
             penalty,
             softness: 1.0,
-            supposes: false,
             tangent: options.tangent,
             friction: PassFriction::new(options, penalty)?,
             history: FrictionHistory::default(),
@@ -301,9 +298,14 @@ pub trait Pass: std::fmt::Debug {
         Ok(Vec::new())
     }
 
-    /// Area under pressure and what the springs of the penalty store, if integration points have pressures of their own.
-    fn pressed(&self) -> Option<Pressed> {
-        None
+    /// Whether integration points have pressures of their own.
+    fn has_point_pressures(&self) -> bool {
+        false
+    }
+
+    /// Area under pressure and what the springs of the penalty store, by these points.
+    fn pressed(&self) -> Pressed {
+        Pressed::default()
     }
 
     /// Adds what each contact exerts on its slave and its masters at the last evaluation.

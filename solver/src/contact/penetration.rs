@@ -79,7 +79,7 @@ impl Penetration {
             return Some(format!(
                 "interface `{}`: points of the slave's faces lay deeper below the master than the average gaps of their nodes, {by}: the faces \
                  are coarse beside the master's curvature, so that contact begins late and forces are inaccurate; smaller faces, exchanged \
-                 roles, or integration = {{ over = \"faces\", pressures = \"points\" }} help",
+                 roles, integration = \"nodes\", or without multipliers pressures of points help",
                 shown(interface)
             ));
         }

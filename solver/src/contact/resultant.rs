@@ -48,7 +48,7 @@ impl Interaction {
             positions.iter().zip(all).for_each(|(&x, force)| sum.add(x, force));
         }
         for (sign, pass) in [1.0, -1.0].into_iter().zip(self.passes()) {
-            let pressed = pass.pressed();
+            let by_points = pass.has_point_pressures();
             let mut area = 0.0;
             for slave in pass.slaves() {
                 let x = positions[slave.node];
@@ -58,13 +58,14 @@ impl Interaction {
                 // The second pass has its points on the same surface in contact.
                 (0..3).for_each(|axis| sum.centre[axis] += slave.force * x[axis]);
                 sum.normal += slave.force;
-                if !slave.is_held && pressed.is_none() {
+                if !slave.is_held && !by_points {
                     sum.penalty_energy += 0.5 * slave.force * (-slave.gap.unwrap_or(0.0)).max(0.0);
                 }
                 sum.friction += slave.friction.iter().map(|f| f * f).sum::<f64>().sqrt();
                 area += self.loaded_area(&slave);
             }
-            if let Some(points) = pressed {
+            if by_points {
+                let points = pass.pressed();
                 area = points.area;
                 if pass.slaves().any(|slave| !slave.is_held) {
                     sum.penalty_energy += points.stored;

@@ -44,12 +44,13 @@ pub(super) fn functions(program: &Program<ElementSpec>, derivatives: &[String], 
     let spec = &program.kernel.spec;
     let name = format!("{}_{}", spec.signature.name, function_name(spec));
     let (second, entries) = match spec.direction {
-        Some(_) => (format!("const double *restrict {DIRECTION}"), DIRECTION),
-        None => ("double *restrict values".to_owned(), "values"),
+        Some(_) => (format!("const double *DIFFUSE_CONTACT_RESTRICT {DIRECTION}"), DIRECTION),
+        None => ("double *DIFFUSE_CONTACT_RESTRICT values".to_owned(), "values"),
     };
-    let parameters: String = derivatives.iter().map(|name| format!(", double *restrict {name}")).collect();
+    let parameters: String =
+        derivatives.iter().map(|name| format!(", double *DIFFUSE_CONTACT_RESTRICT {name}")).collect();
     let arrays = format!(
-        "const double *restrict inputs, const double *restrict nodes, {second}{parameters}, double *restrict scratch"
+        "const double *DIFFUSE_CONTACT_RESTRICT inputs, const double *DIFFUSE_CONTACT_RESTRICT nodes, {second}{parameters}, double *DIFFUSE_CONTACT_RESTRICT scratch"
     );
     let mut text = format!(
         "\n/* Elements side by side, at most DIFFUSE_CONTACT_LANES: part of the batch. */\n\
@@ -66,7 +67,7 @@ pub(super) fn functions(program: &Program<ElementSpec>, derivatives: &[String], 
     );
     let _ = writeln!(
         text,
-        "static inline void {name}_batch(size_t elements, size_t count, {arrays}) {{\n    \
+        "DIFFUSE_CONTACT_WHOLE_LOOPS\nstatic inline void {name}_batch(size_t elements, size_t count, {arrays}) {{\n    \
          const size_t lanes = elements < DIFFUSE_CONTACT_LANES ? elements : DIFFUSE_CONTACT_LANES;\n    \
          for (size_t k = 0; k < elements; k += lanes) {{\n        \
          /* The last ones are full too: some of the elements before are taken again. */\n        \

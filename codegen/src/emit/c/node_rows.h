@@ -33,7 +33,7 @@ static inline void diffuse_contact_multiply_rows(size_t first, size_t components
 /* The same for elements side by side: entry i of an element is at i * DIFFUSE_CONTACT_LANES + lane of `form`, at i * elements + lane of the
    Hessian. Lanes of `form` without an element are set to 0. */
 static inline void diffuse_contact_multiply_rows_of_lanes(size_t first, size_t components, size_t products, size_t count, size_t lanes,
-                                                          size_t elements, double *restrict form, double *restrict hessian) {
+                                                          size_t elements, double *DIFFUSE_CONTACT_RESTRICT form, double *DIFFUSE_CONTACT_RESTRICT hessian) {
     const size_t own = 2 * products * components, size = own + diffuse_contact_packed_row(components);
     for (size_t entry = 0; lanes < DIFFUSE_CONTACT_LANES && entry < size * count; entry++)
         for (size_t lane = lanes; lane < DIFFUSE_CONTACT_LANES; lane++) form[entry * DIFFUSE_CONTACT_LANES + lane] = 0.0;

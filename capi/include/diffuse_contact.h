@@ -227,6 +227,14 @@ typedef enum dc_tangent {
     DC_GAUSS_NEWTON = 1,
 } dc_tangent;
 
+// Where pressures of contact over faces follow from gaps.
+typedef enum dc_face_pressures {
+    // At the slave's nodes, from the average gap around each.
+    DC_NODE_PRESSURES = 0,
+    // At each integration point, from its own gap.
+    DC_POINT_PRESSURES = 1,
+} dc_face_pressures;
+
 // Which triangle of a symmetric matrix is listed.
 typedef enum dc_triangle {
     // Both.
@@ -1335,8 +1343,8 @@ enum dc_status dc_faces_set_symmetry(struct dc_faces *faces,
                                      size_t plane_count);
 
 // Where the pressure follows from the gap: `pressures` is a dc_face_pressures, DC_NODE_PRESSURES before the first call. Take
-// DC_POINT_PRESSURES, by dc_faces_evaluate with no multipliers, where faces are coarse beside the master's curvature: an average
-// gap closes late there. The next dc_faces_evaluate sees it.
+// DC_POINT_PRESSURES where faces are coarse beside the master's curvature: an average gap closes late there. Multipliers are
+// interpolated between the nodes then. The next dc_faces_evaluate sees it.
 enum dc_status dc_faces_set_pressures(struct dc_faces *faces,
                                       int32_t pressures);
 

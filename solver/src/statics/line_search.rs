@@ -4,8 +4,7 @@
 const GOOD: f64 = 0.8;
 /// Shortest step, relative to the full one.
 const SHORTEST: f64 = 0.005;
-/// Slopes that differ by less than this part are one. Until a body touches something its slope falls to that of its own equilibrium on a
-/// straight line, and that of a loose body stays.
+/// Slopes that differ by less than this part are one: until a loose body touches something, no step changes it.
 const LEVEL: f64 = 1e-3;
 /// Most evaluations besides that of the full step.
 const TRIES: usize = 8;
@@ -22,18 +21,17 @@ pub fn line_search<E>(start: f64, full: f64, mut slope: impl FnMut(f64) -> Resul
     let (mut low, mut low_slope) = (0.0, start);
     let (mut high, mut high_slope) = (1.0, full);
     let mut best = (1.0, full.abs());
-    // Straight before the kink of a contact, of which secants know nothing.
-    let mut is_straight = false;
+    let mut has_level = false;
     for _ in 0..TRIES {
         let secant = (low - low_slope * (high - low) / (high_slope - low_slope)).max(SHORTEST);
-        let s = if is_straight { 0.5 * (low + high) } else { secant };
+        let s = if has_level { 0.5 * (low + high) } else { secant };
         let found = slope(s)?;
         // There is no state there.
         if !found.is_finite() {
             break;
         }
         let is_level = (found - start).abs() <= LEVEL * start.abs();
-        is_straight |= is_level || (found - start * (1.0 - s)).abs() <= LEVEL * start.abs();
+        has_level |= is_level;
         if found.abs() < best.1
             || is_level && (best.1 - start.abs()).abs() <= LEVEL * start.abs() && s > best.0
         {
@@ -90,14 +88,6 @@ mod tests {
         for (touches, stiffness) in [(0.9, 1e3), (0.5, 1e6), (0.99, 1e9), (0.05, 1e4)] {
             let (s, count) = search(|s| if s < touches { 1.0 } else { 1.0 - stiffness * (s - touches) });
             assert!((s - touches).abs() <= 0.02 && count <= TRIES, "{touches} {stiffness}: {s}");
-        }
-    }
-
-    #[test]
-    fn a_body_goes_as_far_as_what_it_touches_with_a_stiffness_of_its_own() {
-        for (touches, stiffness) in [(0.9, 1e3), (0.15, 1e6), (0.04, 1e7), (0.02, 1e4)] {
-            let (s, count) = search(|s| 1.0 - s - stiffness * (s - touches).max(0.0));
-            assert!((s - touches).abs() <= 0.02 && s >= 0.5 * touches && count <= TRIES, "{touches}: {s}");
         }
     }
 

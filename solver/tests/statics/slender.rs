@@ -55,14 +55,19 @@ fn pressure_on(length: f64) -> f64 {
 /// The penetration by default is a ten-thousandth of what a slender strip bends by: gaps that are not linear open all contact.
 #[test]
 fn slender_strips_on_a_line_bend_as_beams_do() {
+    const POINTS: &str = "integration = { over = \"faces\", pressures = \"points\" }";
     let faces = "integration = \"faces\"";
     for (length, cells, integration) in [
         (100.0, 50, faces),
         (100.0, 50, ""),
+        (100.0, 50, POINTS),
+        (100.0, 10, POINTS),
         (200.0, 100, faces),
         (200.0, 100, ""),
+        (200.0, 100, POINTS),
         (1000.0, 250, faces),
         (1000.0, 250, ""),
+        (1000.0, 250, POINTS),
     ] {
         let (notes, state, _) = run(&on_a_roller(length, cells, integration), "[time]\nincrement = 0.25");
         assert!(notes.cuts.is_empty(), "{length} {integration}: {:?}", notes.cuts);
@@ -145,13 +150,60 @@ fn points_of_coarse_faces_carry_what_a_beam_does() {
         let last = notes.increments.last().unwrap();
         let found = &last.contacts[0];
         assert!((found.force[2] / found.normal - 1.0).abs() < 0.01, "{found:?}");
-        assert!(pressures == "nodes" || iterations <= 44 && notes.cuts.is_empty(), "{iterations}");
+        assert!(pressures == "nodes" || iterations <= 44 && notes.cuts.len() <= 1, "{iterations}");
         (found.force[2] / theory, found.area, last.max_penetration)
     };
     let (points, area, deep) = force("points");
-    assert!(points > 0.98 && points < 1.04, "{points}");
+    // A face whose middle is loaded goes straight from node to node: too stiff.
+    assert!(points > 1.0 && points < 1.08, "{points}");
     // What touches is narrow beside the face.
     assert!(area < 4.0 && deep > 0.0 && deep < 0.05, "{area} {deep}");
     let (averages, ..) = force("nodes");
     assert!(averages < 0.9, "{averages}");
+}
+
+/// A strip that points of its coarse faces hold on a roller, and a block that is loose above a floor: what is supposed for the block leaves the
+/// strip's contact as it is.
+#[test]
+fn points_that_touch_go_on_while_another_body_is_caught() {
+    let strip = on_a_roller(100.0, 5, "integration = { over = \"faces\", pressures = \"points\" }");
+    let deck = format!(
+        r#"{strip}
+[parts.floor]
+shape = "rigid-plane"
+size = [3.0, 3.0]
+divisions = [3, 3]
+translate = [0.0, 20.0, 0.0]
+[parts.block]
+shape = "box"
+size = [1.0, 1.0, 1.0]
+divisions = [2, 2, 2]
+material = "steel"
+translate = [1.0, 21.0, 0.01]
+[[boundary]]
+nodes = "floor"
+fix = ["x", "y", "z"]
+[[boundary]]
+nodes = "block.x-"
+fix = ["x"]
+[[boundary]]
+nodes = "block.y-"
+fix = ["y"]
+[[pressure]]
+surface = "block.z+"
+value = 1.0
+[[interface]]
+name = "floor"
+master = "floor"
+slave = "block.z-"
+integration = "faces"
+"#
+    );
+    let (notes, ..) = run(&deck, "[time]\nincrement = 0.25");
+    assert!(notes.cuts.is_empty(), "{:?}", notes.reasons);
+    assert!(notes.increments[0].supposed > 0);
+    let last = notes.increments.last().unwrap();
+    let load = pressure_on(100.0) * 100.0;
+    assert!((last.contacts[0].force[2] / load - 1.0).abs() < 1e-3, "{:?}", last.contacts[0].force);
+    assert!((last.contacts[1].force[2] - 1.0).abs() < 1e-3, "{:?}", last.contacts[1].force);
 }

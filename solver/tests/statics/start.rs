@@ -79,15 +79,20 @@ fn a_body_that_only_contact_holds_is_held() {
     }
 }
 
-/// A deck over nodes as it is, and over faces.
-fn both_ways(deck: &str) -> [String; 2] {
-    [deck.to_owned(), deck.replace("areas = true", "integration = \"faces\"")]
+/// Pressures of points, over faces.
+const POINTS: &str = "integration = { over = \"faces\", pressures = \"points\" }";
+
+/// A deck over nodes as it is, and over faces with pressures of nodes and of points.
+fn all_ways(deck: &str) -> [String; 3] {
+    let over_faces = ["integration = \"faces\"", POINTS].map(|way| deck.replace("areas = true", way));
+    let [of_nodes, of_points] = over_faces;
+    [deck.to_owned(), of_nodes, of_points]
 }
 
 /// Gaps of exactly 0 and a load: the block stays, and each increment carries its part of 100 × 36.
 #[test]
 fn a_block_exactly_in_touch_carries_its_load() {
-    for deck in both_ways(include_str!("hanging.toml")) {
+    for deck in all_ways(include_str!("hanging.toml")) {
         let (notes, ..) = run(&deck, "");
         assert!(notes.cuts.is_empty() && notes.increments.len() == 10, "{:?}", notes.reasons);
         assert_eq!(notes.increments.iter().map(|record| record.stabilised).sum::<usize>(), 0);
@@ -101,7 +106,7 @@ fn a_block_exactly_in_touch_carries_its_load() {
 /// A round cord between plates that both touch it along a line: squeezed by a quarter of its height from the first increment on.
 #[test]
 fn an_o_ring_exactly_in_touch_is_squeezed() {
-    for deck in both_ways(include_str!("o_ring.toml")) {
+    for deck in all_ways(include_str!("o_ring.toml")) {
         let (notes, ..) = run(&deck, "");
         assert!(notes.cuts.is_empty() && notes.increments.len() == 20, "{:?}", notes.reasons);
         assert_eq!(notes.increments.iter().map(|record| record.stabilised).sum::<usize>(), 0);

@@ -1,5 +1,6 @@
 //! Starts: bodies exactly in touch or a little apart, a penalty that nobody gave, parts that nothing holds.
 
+use super::slender::POINTS;
 use super::*;
 use diffuse_contact_solver::contact::{AdjustError, Beginning};
 use diffuse_contact_solver::deck::{DeckError, Problem as Wrong};
@@ -78,9 +79,6 @@ fn a_body_that_only_contact_holds_is_held() {
         assert!(heights.iter().all(|height| (height - heights[0]).abs() < 1e-7), "{interface}: {heights:?}");
     }
 }
-
-/// Pressures of points, over faces.
-const POINTS: &str = "integration = { over = \"faces\", pressures = \"points\" }";
 
 /// A deck over nodes as it is, and over faces with pressures of nodes and of points.
 fn all_ways(deck: &str) -> [String; 3] {

@@ -37,7 +37,7 @@ struct Run {
     summary: Summary,
     /// Columns of `history.csv`, by name.
     history: BTreeMap<String, Vec<f64>>,
-    /// Per increment the residuals that are shown: linear solutions so far, and the residual over the forces.
+    /// Per increment the residuals that are shown: linear solutions so far, and the residual over what is allowed.
     residuals: BTreeMap<usize, Vec<(f64, f64)>>,
     skin: Skin,
     frames: Vec<Frame>,
@@ -146,12 +146,12 @@ fn read_run(directory: &Path, runs: usize) -> Result<Run, OutputError> {
     let iterations = read_history(&directory.join(names::ITERATIONS))?;
     let mut residuals: BTreeMap<usize, Vec<(f64, f64)>> = BTreeMap::new();
     for row in &iterations.rows {
-        let [iteration, relative, step] =
-            ["iteration", "relative", "step"].map(|column| iterations.value(row, column));
+        let [iteration, residual, allowed, step] =
+            ["iteration", "residual", "allowed", "step"].map(|column| iterations.value(row, column));
         let known = residuals.entry(row.increment).or_default();
         // The first is that before the prescribed nodes move, unless it is that of an extrapolation.
         if iteration > 0.0 || step > 0.0 || !known.is_empty() {
-            known.push((iteration, relative));
+            known.push((iteration, residual / allowed));
         }
     }
     let skins = directory.join(names::SKINS);

@@ -36,6 +36,7 @@ function layout(traces, x, y) {
 const logarithmic = (dtick) => ({ type: "log", dtick, tickfont: { size: 10 } });
 // Whole numbers along an axis, some twelve of them.
 const counted = (traces) => ({ dtick: Math.ceil(most(traces.map((trace) => trace.x.length), 0) / 12) || 1 });
+const whole = (traces) => ({ dtick: Math.ceil(most(traces.flatMap((trace) => trace.y), 0) / 8) || 1 });
 const config = { responsive: true, displaylogo: false, displayModeBar: false };
 const element = (id) => document.getElementById(id);
 
@@ -196,7 +197,7 @@ function iterations() {
     x: run.history.time, y: run.history.iterations, name: plain(run.label), mode: "lines+markers",
     line: { shape: "hvh", color: colours[k % colours.length] }, marker: { size: 5 },
   }));
-  return draw("iterations", traces, layout(traces, { text: "time" }, { text: "iterations", more: { rangemode: "tozero" } }));
+  return draw("iterations", traces, layout(traces, { text: "time" }, { text: "iterations", more: { rangemode: "tozero", ...whole(traces) } }));
 }
 
 function convergence() {
@@ -208,7 +209,8 @@ function convergence() {
     return { x: residuals.map(([solutions]) => solutions), y: residuals.map(([, r]) => (r > 0 ? r : null)), name: plain(run.label), mode: "lines+markers", line: { color: colours[k % colours.length] } };
   });
   const x = { text: "linear solutions", more: counted(traces) };
-  return draw("convergence", traces, layout(traces, x, { text: "residual over forces", more: logarithmic(2) }));
+  const met = { type: "line", xref: "paper", x0: 0, x1: 1, y0: 1, y1: 1, line: { color: "#66737f", width: 1, dash: "dot" } };
+  return draw("convergence", traces, { ...layout(traces, x, { text: "residual over what is allowed", more: logarithmic(2) }), shapes: [met] });
 }
 
 // Faces as triangles, and their edges as one line with gaps.
@@ -297,11 +299,15 @@ function partList(run) {
     const button = document.createElement("button");
     button.className = "part";
     button.textContent = name;
-    button.dataset.state = partStates.get(name) || states[0];
+    const show = (state) => {
+      button.dataset.state = state;
+      button.setAttribute("aria-label", `${name}: ${state}`);
+    };
+    show(partStates.get(name) || states[0]);
     button.addEventListener("click", () => {
       const state = states[(states.indexOf(button.dataset.state) + 1) % states.length];
       partStates.set(name, state);
-      button.dataset.state = state;
+      show(state);
       shape();
     });
     return button;
@@ -316,6 +322,9 @@ function clipped(points, bounds) {
   const limit = low + (element("clip-at").value / 100) * (high - low) * (1 + 1e-9);
   return (face) => face.reduce((sum, corner) => sum + points[corner][axis], 0) <= limit * face.length;
 }
+
+// Plotly takes normals of faces with less than a part of the largest extent for none, which makes them dark.
+const lighting = { ambient: 0.75, diffuse: 0.5, specular: 0.05, facenormalsepsilon: 0, vertexnormalsepsilon: 0 };
 
 function shape() {
   const run = shapes[element("run").value];
@@ -339,7 +348,7 @@ function shape() {
   const range = run.frames.map((each) => each.fields[field]);
   const low = least(range.map((each) => least(each, 0)), 0);
   const high = most(range.map((each) => most(each, 0)), low);
-  const common = { x: points.map((p) => p[0]), y: points.map((p) => p[1]), z: points.map((p) => p[2]), type: "mesh3d", hoverinfo: "text", flatshading: true, lighting: { ambient: 0.75, diffuse: 0.5, specular: 0.05 } };
+  const common = { x: points.map((p) => p[0]), y: points.map((p) => p[1]), z: points.map((p) => p[2]), type: "mesh3d", hoverinfo: "text", flatshading: true, lighting };
   const coloured = (list, more) => Object.assign({}, common, triangles(list), {
     intensity: values, cmin: low, cmax: high > low ? high : low + 1, colorscale: "Viridis", colorbar: scaleBar("shape", labelled(field)),
     text: values.map((value, k) => `node ${run.skin.nodes[k]}<br>${words[field] || field} ${hasValue(k) ? precise(value) : "none"}`),
@@ -378,6 +387,7 @@ function surfaces() {
   const mesh = (points, more) => Object.assign({
     type: "mesh3d", x: points.map((p) => p[0]), y: points.map((p) => p[1]), z: points.map((p) => p[2]),
     i: surface.triangles.map((t) => t[0]), j: surface.triangles.map((t) => t[1]), k: surface.triangles.map((t) => t[2]),
+    lighting: { facenormalsepsilon: 0, vertexnormalsepsilon: 0 },
   }, more);
   const lines = (points) => {
     const [x, y, z] = [[], [], []];
@@ -396,7 +406,7 @@ function surfaces() {
     traces.push(mesh(surface.smooth, { intensity: distance, cmin: 0, cmax: top, colorscale: "Portland", colorbar: scaleBar("surfaces", "distance, length") }));
     traces.push(Object.assign(lines(surface.smooth), { line: { color: "#1c2733", width: 2 } }));
   }
-  return draw("surfaces", traces, scene("surfaces", surface.flat.concat(surface.smooth), `surface ${element("surface").value}`));
+  return draw("surfaces", traces, scene("surfaces", surface.flat.concat(surface.smooth), `surface ${element("surface").value}`, loadAxis));
 }
 
 summary();
@@ -455,7 +465,8 @@ function saved(name, type, text) {
 }
 
 function csv(id) {
-  const quoted = (text) => `"${String(text).replaceAll('"', '""')}"`;
+  // Names are those of the plots, which take them for markup.
+  const quoted = (text) => `"${String(text).replaceAll("&lt;", "<").replaceAll("&amp;", "&").replaceAll('"', '""')}"`;
   if (id === "shape") {
     const run = shapes[element("run").value];
     const frames = framesOf(run);
@@ -475,12 +486,23 @@ for (const place of document.querySelectorAll(".export")) {
   const button = (text, action) => {
     const made = document.createElement("button");
     made.textContent = text;
+    made.setAttribute("aria-label", `${id} as ${text}`);
     made.addEventListener("click", action);
     return made;
   };
   const picture = () => Plotly.downloadImage(id, { format: "png", filename: id, width: element(id).clientWidth, height: element(id).clientHeight, scale: 2 });
   place.append(button("CSV", () => saved(`${id}.csv`, "text/csv", csv(id))), button("PNG", picture));
 }
+
+// Scenes and their scales lie otherwise in another width.
+const width = () => document.documentElement.clientWidth;
+let drawnAt = width();
+window.addEventListener("resize", () => {
+  if (width() === drawnAt) return;
+  drawnAt = width();
+  if (shapes.length > 0) shape();
+  if (surfaceList.length > 0) surfaces();
+});
 
 const drawn = [iterations(), convergence(), force()];
 if (runs.some((run) => interfacesOf(run).length > 0)) drawn.push(contact()); else element("contact-section").remove();

@@ -10,6 +10,8 @@
 //! f_k = −∫ p N_k(η) d dA             on the master facet, where the line through the face's point along d meets it
 //! ```
 //!
+//! * **Pressures of points** instead, p = max(0, Σ N_A λ_A − ε g) at each, by [`FacePressures::Points`]: for faces that are wide beside
+//!   the master's radius of curvature.
 //! * **Balance.** Σ f = 0, and Σ x × f = 0: the points of face and facet lie on one line along the force.
 //! * **Patch test.** Faces are cut along the edges of the facets over them, so that uniform pressures pass exactly between faces whose
 //!   opposite edges are parallel.

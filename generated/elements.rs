@@ -16,6 +16,7 @@ pub fn all(config: Config) -> Result<Config, ConfigError> {
         .element("volumetric_neo_hooke", volumetric_neo_hooke)?
         .element("volumetric_hencky", volumetric_hencky)?
         .element("direction", direction)?
+        .element("load_of_point", load_of_point)?
         .element("foot_of_gap", foot_of_gap)?
         .element("slip_over_triangle", slip_over_triangle)?
         .element("slip_over_quadrilateral", slip_over_quadrilateral)?
@@ -174,6 +175,16 @@ pub fn direction(m: &ElementModel<'_>) {
     m.title("The unit vector along another one.");
     let along: Vec3<'_> = m.variable("along");
     m.residual("direction", along.unit());
+}
+
+/// The force of a point of the faces that has a pressure of its own.
+pub fn load_of_point(m: &ElementModel<'_>) {
+    m.title("Force d + P_d τ of a point at unit pressure, with friction (docs/equations.md, section 18).");
+    let [along, ratio]: [Vec3<'_>; 2] = ["along", "ratio"].map(|name| m.variable(name));
+    let direction = m.define("direction", along.unit());
+    m.residual("load", direction + ratio - direction.dot(ratio) * direction);
+    m.describe("along", "∂g/∂x of the point, of any length");
+    m.describe("ratio", "τ, friction over the pressure");
 }
 
 /// The foot of a gap.

@@ -12,7 +12,7 @@ use diffuse_contact_codegen::{ElementKernels, ElementModel, Mode};
 use diffuse_contact_kernels::{
     carried_by_quadrilateral, carried_by_quadrilateral8, carried_by_quadrilateral9, carried_by_triangle,
     carried_by_triangle6, coulomb, coulomb_sliding, decaying_coefficient, direction, foot_of_gap,
-    interpolated, support, traction, traction_sliding,
+    interpolated, load_of_point, support, traction, traction_sliding,
 };
 use num_dual::{Dual64, DualNum};
 
@@ -459,6 +459,24 @@ fn the_unit_vector_has_three_witnesses() {
     let of_kernel = [results.values.direction.to_vec(), results.direction_jacobian.to_vec()];
     let of_graph = interpreted(formulas::direction, &along, "direction");
     for (k, what) in ["direction", "its derivatives"].into_iter().enumerate() {
+        assert_close(&of_graph[k], &expected[k], what);
+        assert_close(&of_kernel[k], &expected[k], what);
+    }
+}
+
+#[test]
+fn the_force_of_a_point_with_friction_has_three_witnesses() {
+    let inputs = [0.3, -1.2, 0.7, 0.2, 0.1, -0.4];
+    let expected = by_duals(&inputs, 6, |x| {
+        let square = x[0] * x[0] + x[1] * x[1] + x[2] * x[2];
+        let part = (x[0] * x[3] + x[1] * x[4] + x[2] * x[5]) / square;
+        (0..3).map(|k| x[k] / square.sqrt() + x[3 + k] - part * x[k]).collect()
+    });
+    let [along, ratio] = [0, 3].map(|first| [0, 1, 2].map(|k| inputs[first + k]));
+    let results = load_of_point::evaluate(support::Mode::Gradient, &load_of_point::Inputs { along, ratio });
+    let of_kernel = [results.values.load.to_vec(), results.load_jacobian.to_vec()];
+    let of_graph = interpreted(formulas::load_of_point, &inputs, "load");
+    for (k, what) in ["load", "its derivatives"].into_iter().enumerate() {
         assert_close(&of_graph[k], &expected[k], what);
         assert_close(&of_kernel[k], &expected[k], what);
     }

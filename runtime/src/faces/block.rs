@@ -5,7 +5,7 @@ use std::sync::{Mutex, PoisonError};
 
 use diffuse_contact_kernels::support::{Isa, Vector, WithLanes};
 
-use super::carried::{Carried, direction_along};
+use super::carried::{Carried, PointLoad, direction_along, load_of_point};
 use super::cut::FacePoint;
 use super::quadratic::{Carrying, MOST_NODES};
 use super::skin::{Skin, SkinFace};
@@ -213,12 +213,14 @@ struct PointShare<'a> {
     own: Option<&'a NormalForce>,
     /// ∂g/∂x by the columns.
     gradient: &'a [(usize, Point)],
+    /// The force at unit pressure by the friction over it, where that is not the traction itself.
+    by_ratio: Option<[Point; 3]>,
 }
 
 /// A force with its derivatives, and those of its line.
 struct Line<'a> {
     force: &'a Carried,
-    /// Of the direction, by ∂g/∂x of the slave.
+    /// Of the direction, or of the force at unit pressure, by ∂g/∂x of the slave.
     by_along: &'a [Point; 3],
     /// ∂g/∂x of the slave by the columns: three rows.
     along_by_nodes: &'a [f64],
@@ -328,8 +330,13 @@ impl FaceBlock {
         for (sums, area) in self.normals.iter_mut().zip(areas) {
             sums.iter_mut().zip(&*along_by_nodes).for_each(|(sum, by)| *sum += area * by);
         }
-        // A pressure of one, and the traction that goes with it.
-        let load = traction.map_or(direction, |traction| (Vector3::from(direction) + traction).into());
+        // A pressure of one, and the traction that goes with it. What nodes have of it need not lie across a point's direction.
+        let across = traction.filter(|_| own.is_some()).map(|ratio| load_of_point(along, ratio.into()));
+        let load = match (&across, traction) {
+            (Some(across), _) => across.load,
+            (None, Some(traction)) => (Vector3::from(direction) + traction).into(),
+            (None, None) => direction,
+        };
         let mode = if needs_hessian || is_moved { Mode::Gradient } else { Mode::Value };
         if own.is_some_and(|own| !(own.force > 0.0)) {
             // Only its normal counts.
@@ -339,9 +346,11 @@ impl FaceBlock {
             self.missed += 1;
             return;
         };
-        let share = PointShare { weight: point.weight, areas: &areas[..corners], own, gradient };
+        let by_ratio = across.as_ref().map(|across| across.by_ratio);
+        let share = PointShare { weight: point.weight, areas: &areas[..corners], own, gradient, by_ratio };
         self.add_forces(share, carriers, &force, is_moved.then_some(direction));
         if needs_hessian && pressure != 0.0 {
+            let by_along = across.map_or(by_along, |PointLoad { by_along, .. }| by_along);
             let of_line = Line { force: &force, by_along: &by_along, along_by_nodes };
             let load = point.weight * pressure;
             let held = (&view.places.own[..], &facet[..], &point.functions);
@@ -363,7 +372,7 @@ impl FaceBlock {
     /// `direction`: of the pressure, where friction moves the line of force away from it.
     fn add_forces(
         &mut self,
-        PointShare { weight, areas, own, gradient }: PointShare<'_>,
+        PointShare { weight, areas, own, gradient, by_ratio }: PointShare<'_>,
         carriers: &[(usize, usize, f64)],
         force: &Carried,
         direction: Option<Point>,
@@ -376,10 +385,12 @@ impl FaceBlock {
                 // Forces are linear in a traction and a pressure that grow together, not in either of them.
                 let by_pressure = if let Some(direction) = direction {
                     let by = &force.row(3 * of + axis)[3..6];
+                    let by_traction = by_ratio.map_or([by[0], by[1], by[2]], |by_ratio| {
+                        [0, 1, 2].map(|i| (0..3).map(|j| by[j] * by_ratio[j][i]).sum())
+                    });
                     for (sums, area) in self.friction.iter_mut().zip(areas) {
-                        sums.iter_mut()
-                            .zip(by)
-                            .for_each(|(sums, by)| sums[row] += area * of_traction * part * by);
+                        let by = sums.iter_mut().zip(by_traction);
+                        by.for_each(|(sums, by)| sums[row] += area * of_traction * part * by);
                     }
                     by.iter().zip(direction).map(|(by, d)| by * d).sum()
                 } else {

@@ -2,7 +2,7 @@
 
 use diffuse_contact_kernels::{
     carried_by_quadrilateral, carried_by_quadrilateral8, carried_by_quadrilateral9, carried_by_triangle,
-    carried_by_triangle6, direction,
+    carried_by_triangle6, direction, load_of_point,
 };
 
 use super::quadratic::MOST_NODES;
@@ -133,6 +133,23 @@ pub fn direction_along(along: Point) -> (Point, [Point; 3]) {
     let direction::Results { values, direction_jacobian: by, .. } =
         direction::evaluate(Mode::Gradient, &direction::Inputs { along });
     (values.direction, [0, 1, 2].map(|i| [0, 1, 2].map(|j| by[3 * i + j])))
+}
+
+/// A force at unit pressure, and what it changes with.
+pub struct PointLoad {
+    pub load: Point,
+    /// By ∂g/∂x of the point.
+    pub by_along: [Point; 3],
+    /// By the friction over the pressure.
+    pub by_ratio: [Point; 3],
+}
+
+/// The force of a point along a vector of any length, with the part of a friction that lies across it.
+pub fn load_of_point(along: Point, ratio: Point) -> PointLoad {
+    let load_of_point::Results { values, load_jacobian: by, .. } =
+        load_of_point::evaluate(Mode::Gradient, &load_of_point::Inputs { along, ratio });
+    let block = |first: usize| [0, 1, 2].map(|i| [0, 1, 2].map(|j| by[6 * i + first + j]));
+    PointLoad { load: values.load, by_along: block(0), by_ratio: block(3) }
 }
 
 /// Of the equations of the place, in natural coordinates.

@@ -21,7 +21,7 @@ pub struct IntegrationPoint {
     pub normal: Point,
     /// p = Σ N_A p_A ≥ 0, or its own where [points](super::FacePressures::Points) have one, force per area.
     pub pressure: f64,
-    /// t = Σ N_A t_A, or p Σ N_A t_A / p_A, friction on the slave, force per area.
+    /// t = Σ N_A t_A, or what of p Σ N_A t_A / p_A lies across the normal, friction on the slave, force per area.
     pub friction: Point,
 }
 
@@ -54,7 +54,8 @@ impl FaceInterface {
                 }
             }
             if let Some(own) = own {
-                (pressure, friction) = (own, friction * own);
+                let normal = Vector3::from(contact.point.normal);
+                (pressure, friction) = (own, (friction - normal * normal.dot(&friction)) * own);
             }
             points.push(IntegrationPoint {
                 face,

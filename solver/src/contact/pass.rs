@@ -278,7 +278,7 @@ pub trait Pass: std::fmt::Debug {
                     multipliers.extend_from_slice(&self.state().multipliers);
                     multipliers.resize(self.slave_count(), 0.0);
                 }
-                multipliers[*k] = self.multiplier_of(slave, 2.0 * gap + LITTLE * size);
+                multipliers[*k] = self.multiplier_of(slave, 2.0 * gap.max(0.0) + LITTLE * size);
             }
         }
         multipliers

@@ -17,6 +17,7 @@ pub fn all(config: Config) -> Result<Config, ConfigError> {
         .element("volumetric_hencky", volumetric_hencky)?
         .element("direction", direction)?
         .element("load_of_point", load_of_point)?
+        .element("friction_over_pressure", friction_over_pressure)?
         .element("foot_of_gap", foot_of_gap)?
         .element("slip_over_triangle", slip_over_triangle)?
         .element("slip_over_quadrilateral", slip_over_quadrilateral)?
@@ -185,6 +186,14 @@ pub fn load_of_point(m: &ElementModel<'_>) {
     m.residual("load", direction + ratio - direction.dot(ratio) * direction);
     m.describe("along", "∂g/∂x of the point, of any length");
     m.describe("ratio", "τ, friction over the pressure");
+}
+
+/// What a point of the faces has of a node's friction at unit pressure.
+pub fn friction_over_pressure(m: &ElementModel<'_>) {
+    m.title("Friction over the pressure, τ = t/p (docs/equations.md, section 18).");
+    let traction: Vec3<'_> = m.variable("traction");
+    let pressure: Expr<'_> = m.variable("pressure");
+    m.residual("ratio", traction / pressure);
 }
 
 /// The foot of a gap.

@@ -12,7 +12,7 @@ use diffuse_contact_codegen::{ElementKernels, ElementModel, Mode};
 use diffuse_contact_kernels::{
     carried_by_quadrilateral, carried_by_quadrilateral8, carried_by_quadrilateral9, carried_by_triangle,
     carried_by_triangle6, coulomb, coulomb_sliding, decaying_coefficient, direction, foot_of_gap,
-    interpolated, load_of_point, support, traction, traction_sliding,
+    friction_over_pressure, interpolated, load_of_point, support, traction, traction_sliding,
 };
 use num_dual::{Dual64, DualNum};
 
@@ -477,6 +477,20 @@ fn the_force_of_a_point_with_friction_has_three_witnesses() {
     let of_kernel = [results.values.load.to_vec(), results.load_jacobian.to_vec()];
     let of_graph = interpreted(formulas::load_of_point, &inputs, "load");
     for (k, what) in ["load", "its derivatives"].into_iter().enumerate() {
+        assert_close(&of_graph[k], &expected[k], what);
+        assert_close(&of_kernel[k], &expected[k], what);
+    }
+}
+
+#[test]
+fn friction_over_pressure_has_three_witnesses() {
+    let inputs = [0.3, -1.2, 0.7, 2.5];
+    let expected = by_duals(&inputs, 4, |x| (0..3).map(|k| x[k] / x[3]).collect());
+    let kernel = friction_over_pressure::Inputs { traction: [0.3, -1.2, 0.7], pressure: 2.5 };
+    let results = friction_over_pressure::evaluate(support::Mode::Gradient, &kernel);
+    let of_kernel = [results.values.ratio.to_vec(), results.ratio_jacobian.to_vec()];
+    let of_graph = interpreted(formulas::friction_over_pressure, &inputs, "ratio");
+    for (k, what) in ["ratio", "its derivatives"].into_iter().enumerate() {
         assert_close(&of_graph[k], &expected[k], what);
         assert_close(&of_kernel[k], &expected[k], what);
     }

@@ -10,6 +10,7 @@
 //! nodes of both sides have moved since. It turns with the bodies. c is the factor of [`Coulomb`](crate::Coulomb), n the mean normal of the
 //! node's points (docs/equations.md, section 18).
 
+use diffuse_contact_kernels::friction_over_pressure;
 use rayon::prelude::*;
 
 use super::contacts::NodeContact;
@@ -47,13 +48,20 @@ pub(super) struct Traction {
 impl Traction {
     /// τ = t/p by the same and by the pressure: what points of their own pressure have of it.
     pub fn over(&self, pressure: f64) -> Self {
-        let over = |x: f64| x / pressure;
-        let value = self.value.map(over);
+        let inputs = friction_over_pressure::Inputs { traction: self.value, pressure };
+        let found = friction_over_pressure::evaluate(Mode::Gradient, &inputs);
+        // By the traction, then by the pressure: a row of four for each component.
+        let row = |i: usize| &found.ratio_jacobian[4 * i..][..4];
+        let by_traction =
+            |i: usize, of: &dyn Fn(usize) -> f64| (0..3).map(|j| row(i)[j] * of(j)).sum::<f64>();
+        let by = |all: &[Point; 3]| -> [Point; 3] {
+            [0, 1, 2].map(|i| [0, 1, 2].map(|k| by_traction(i, &|j| all[j][k])))
+        };
         Self {
-            value,
-            by_way: self.by_way.map(|row| row.map(over)),
-            by_normal: self.by_normal.map(|row| row.map(over)),
-            by_pressure: [0, 1, 2].map(|i| over(self.by_pressure[i] - value[i])),
+            value: found.values.ratio,
+            by_way: by(&self.by_way),
+            by_normal: by(&self.by_normal),
+            by_pressure: [0, 1, 2].map(|i| by_traction(i, &|j| self.by_pressure[j]) + row(i)[3]),
             ..self.clone()
         }
     }

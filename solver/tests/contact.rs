@@ -4,6 +4,7 @@ use std::collections::BTreeSet;
 use std::sync::Arc;
 
 use diffuse_contact::assembly::Tangent;
+use diffuse_contact::faces::{FacePressures, FaceRule};
 use diffuse_contact::interface::{ContactElement, InterfaceOptions};
 use diffuse_contact::neighbourhood::SearchOptions;
 use diffuse_contact::surface::Facet;
@@ -11,7 +12,7 @@ use diffuse_contact::{FrameDerivative, Mode, Point, Weight};
 
 use diffuse_contact_mesh::ElementKind;
 use diffuse_contact_solver::contact::*;
-use diffuse_contact_solver::model::shape::Block;
+use diffuse_contact_solver::model::shape::{Axis, Block, Facets, RigidCylinder, Side};
 use diffuse_contact_solver::system::{BlockMatrix, BlockPattern, Operator};
 
 const PENALTY: f64 = 1e3;
@@ -367,6 +368,9 @@ fn a_slave_that_went_through_is_lost_and_a_force_that_vanishes_is_named() {
             let mut to = nodes.clone();
             to[36..].iter_mut().for_each(|x| (0..3).for_each(|axis| x[axis] += by[axis]));
             set.begin(&loaded).unwrap();
+            set.refresh(RefreshRule::Increment, &nodes).unwrap();
+            forces(&mut set, &nodes, Mode::Gradient);
+            set.excuse();
             set.refresh(RefreshRule::Increment, &to).unwrap();
             assert_eq!(forces(&mut set, &to, Mode::Gradient).1, 0, "{by:?}");
             let way = Way { from: &nodes, to: &to };
@@ -376,7 +380,8 @@ fn a_slave_that_went_through_is_lost_and_a_force_that_vanishes_is_named() {
         };
         let named = vec![("bed".to_owned(), loaded[0].len())];
         let (lost, vanished) = after([0.1, 0.2, -4.0]);
-        assert_eq!((lost.len(), &vanished), (loaded[0].len(), &named));
+        // Who was over it without force went through it, too.
+        assert_eq!((lost.len(), &vanished), (nodes.len() - 36, &named));
         for LostContact { loss, from_start, .. } in lost {
             assert!(matches!(loss, Loss::Through { depth } if (3.8..4.4).contains(&depth)) && !from_start);
         }
@@ -384,6 +389,58 @@ fn a_slave_that_went_through_is_lost_and_a_force_that_vanishes_is_named() {
         // Down by a little and off the border.
         let (lost, vanished) = after([9.0, 0.0, -0.6]);
         assert!(lost.is_empty() && vanished[0].1 > 0, "{lost:?} {vanished:?}");
+    }
+}
+
+/// Two faces eight times as long as the radius of the rollers under them: no node of theirs goes through anything. One of them does, while
+/// the other stays over its roller.
+#[test]
+fn a_wide_face_that_went_through_a_roller_is_lost() {
+    let roller = |x: f64| {
+        let (axis, facets) = (Axis::Y, Facets::Quadrilaterals);
+        let (angles, side) = ([0.0, 360.0], Side::Outside);
+        let shape =
+            RigidCylinder { axis, radius: 1.0, length: 4.0, angles, divisions: [16, 1], facets, side };
+        let mut part = shape.part().unwrap();
+        part.nodes.iter_mut().for_each(|node| (node[0], node[2]) = (node[0] + x, node[2] - 1.0));
+        part
+    };
+    let (left, right) = (roller(4.0), roller(12.0));
+    let right_from = left.nodes.len();
+    let slave_from = right_from + right.nodes.len();
+    let master: Vec<Facet> = left.outside().into_iter().chain(moved(&right.outside(), right_from)).collect();
+    let slave = [0, 1].map(|k| Facet::Quadrilateral([k, k + 3, k + 4, k + 1].map(|node| slave_from + node)));
+    let strip = [0.0, 4.0].into_iter().flat_map(|y| [0.0, 8.0, 16.0].map(|x| [x, y, -1e-3]));
+    let nodes: Vec<Point> = left.nodes.into_iter().chain(right.nodes).chain(strip).collect();
+    let points = Integration::Faces { rule: FaceRule::Second, pressures: FacePressures::Points };
+    for integration in [Integration::FACES, points] {
+        let options = InteractionOptions::new("rollers", PENALTY).with_integration(integration);
+        let mut set = ContactSet::new(vec![Interaction::new(options, &master, &slave, &nodes).unwrap()]);
+        let mut lost = |by: [Point; 3]| {
+            let loaded = set.loaded();
+            set.begin(&loaded).unwrap();
+            set.refresh(RefreshRule::Increment, &nodes).unwrap();
+            forces(&mut set, &nodes, Mode::Gradient);
+            set.excuse();
+            let mut to = nodes.clone();
+            for (k, x) in to[slave_from..].iter_mut().enumerate() {
+                (0..3).for_each(|axis| x[axis] += by[k % 3][axis]);
+            }
+            forces(&mut set, &to, Mode::Gradient);
+            let lost = set.lost(Way { from: &nodes, to: &to }).map(|(_, lost)| lost.node - slave_from);
+            lost.collect::<Vec<_>>()
+        };
+        let [stays, down] = [[0.0; 3], [0.0, 0.0, -6.0]];
+        assert_eq!(lost([down; 3]), [0, 1, 2, 3, 4, 5]);
+        assert_eq!(
+            lost([stays, stays, down]),
+            [1, 2, 4, 5],
+            "the middle nodes are over the left roller still"
+        );
+        // Aside over the rollers' flanks, and off them.
+        for kept in [stays, [0.0, 0.0, 6.0], [1.0, 0.0, 0.0], [30.0, 0.0, 0.0], [-30.0, 0.0, 0.1]] {
+            assert!(lost([kept; 3]).is_empty(), "{kept:?}");
+        }
     }
 }
 
@@ -401,17 +458,12 @@ fn thin_walls_that_went_through_one_another_are_lost() {
         };
         let (lower, upper) = (plate([0.0; 3], 6), plate([1.3, 1.2, THICKNESS + gap], 3));
         let first = lower.nodes.len();
-        let moved = |facet: &Facet| match *facet {
-            Facet::Triangle(corners) => Facet::Triangle(corners.map(|node| first + node)),
-            Facet::Quadrilateral(corners) => Facet::Quadrilateral(corners.map(|node| first + node)),
-        };
         let below: Vec<usize> = upper.node_sets["z-"].iter().map(|node| first + node).collect();
         let (master, slave) = if self_contact {
-            let all: Vec<Facet> =
-                lower.outside().into_iter().chain(upper.outside().iter().map(moved)).collect();
+            let all: Vec<Facet> = lower.outside().into_iter().chain(moved(&upper.outside(), first)).collect();
             (all.clone(), all)
         } else {
-            (lower.outside(), upper.surfaces["z-"].iter().map(moved).collect())
+            (lower.outside(), moved(&upper.surfaces["z-"], first).collect())
         };
         let nodes = [lower.nodes, upper.nodes].concat();
         let options = InteractionOptions::new("plates", PENALTY)
@@ -439,6 +491,14 @@ fn thin_walls_that_went_through_one_another_are_lost() {
         }
         assert!(lost([9.0, 0.0, -gap - 0.25]).is_empty() && lost([0.0, 0.0, 5.0]).is_empty());
     }
+}
+
+/// Facets of nodes with other numbers.
+fn moved(facets: &[Facet], first: usize) -> impl Iterator<Item = Facet> {
+    facets.iter().map(move |facet| match *facet {
+        Facet::Triangle(corners) => Facet::Triangle(corners.map(|node| first + node)),
+        Facet::Quadrilateral(corners) => Facet::Quadrilateral(corners.map(|node| first + node)),
+    })
 }
 
 /// All entries of a matrix over so many nodes, block by block.

@@ -115,6 +115,8 @@ pub struct FaceContacts {
     pub(super) faces: Vec<FacePart>,
     /// Of all points, if they have pressures of their own.
     pub(super) pressures: Vec<f64>,
+    /// Whether each point has a contact.
+    pub(super) found: Vec<bool>,
     pub(super) missed: usize,
     pub(super) mode: Mode,
 }
@@ -162,8 +164,9 @@ pub struct TangentBlock<'a> {
 
 impl Default for FaceContacts {
     fn default() -> Self {
-        let (nodes, blocks, faces, pressures) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
-        Self { nodes, blocks, faces, pressures, missed: 0, mode: Mode::Value }
+        let (nodes, blocks, faces) = (Vec::new(), Vec::new(), Vec::new());
+        let (pressures, found) = (Vec::new(), Vec::new());
+        Self { nodes, blocks, faces, pressures, found, missed: 0, mode: Mode::Value }
     }
 }
 

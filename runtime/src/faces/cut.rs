@@ -11,7 +11,7 @@ use crate::vector::Vector3;
 use crate::{Mode, Point};
 
 /// Cosine of the angle between the normals of a face and of a facet that lie over one another, at most.
-pub(super) const OPPOSITE: f64 = -0.1;
+const OPPOSITE: f64 = -0.1;
 /// A quadrilateral becomes a triangle as its smallest corner goes from this part of its area to nothing.
 const SLENDER: f64 = 0.1;
 /// Of two corners the later one is smaller only below this part of the other: rounding does not decide between equal ones.

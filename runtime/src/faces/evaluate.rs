@@ -19,7 +19,7 @@ use crate::surface::{Facet, shape_of};
 use crate::vector::Vector3;
 
 /// Nodes with less than this part of their area over the master carry nothing.
-const SMALLEST_AREA: f64 = 1e-9;
+pub(super) const SMALLEST_AREA: f64 = 1e-9;
 /// Points that one thread evaluates in a row.
 const CHUNK: usize = 256;
 /// Points whose results are held at once.
@@ -38,7 +38,7 @@ pub(super) struct Averages {
 #[derive(Default)]
 pub(super) struct PointStates {
     /// Whether it has a contact.
-    is_contact: Vec<bool>,
+    pub is_contact: Vec<bool>,
     /// Its own pressure and −∂p/∂g; empty where pressures are those of the nodes.
     pub pressures: Vec<NormalForce>,
 }

@@ -64,6 +64,7 @@
 mod block;
 mod carried;
 mod contacts;
+mod cover;
 mod create;
 mod cut;
 mod evaluate;
@@ -76,6 +77,7 @@ mod track;
 mod window;
 
 pub use contacts::{FaceContacts, NodeContact, TangentBlock};
+pub use cover::{CoveredPlace, FaceCover};
 pub use cut::FaceRule;
 pub use points::IntegrationPoint;
 pub use quadratic::QuadraticFace;
@@ -84,7 +86,7 @@ use std::ops::Range;
 
 use rayon::prelude::*;
 
-use cut::{CutScratch, Cutting, FacePoint, OPPOSITE, cut, far_side};
+use cut::{CutScratch, Cutting, FacePoint, cut};
 use evaluate::Averages;
 use quadratic::{Carriers, Carrying};
 use skin::Skin;
@@ -93,7 +95,7 @@ use window::FaceWindow;
 
 use crate::assembly::ContactLaw;
 use crate::interface::{ContactInterface, InterfaceError, InterfaceOptions, NoContact};
-use crate::surface::{Facet, Foot, MasterSurface, OwnSurface, SurfaceIndex, check_position, shape_of};
+use crate::surface::{Facet, MasterSurface, OwnSurface, SurfaceIndex, check_position, shape_of};
 use crate::vector::Vector3;
 use crate::{Mode, Point};
 
@@ -274,41 +276,6 @@ impl FaceInterface {
     /// Middles of edges and faces where the slave's own nodes carry no fit: there its faces are as flat as their corners say.
     pub const fn straight(&self) -> usize {
         self.skin.straight
-    }
-
-    /// The facet of the master that the `k`-th node is over at the positions of the master's index, and how deep the node's faces may lie
-    /// below it and still touch it, length. It is the closest of those that look against the faces and that these may touch. The depth is
-    /// half of the body's thickness in self contact, else that up to the far side of the body. `positions`: of all nodes.
-    ///
-    /// # Panics
-    /// If there is no such node or position, or the index is that of another surface.
-    pub fn facet_over(
-        &self,
-        k: usize,
-        index: &SurfaceIndex<'_>,
-        positions: &[Point],
-    ) -> Option<(usize, f64)> {
-        let around = &self.around[k];
-        let x = Vector3::from(positions[self.nodes[k]]);
-        let area = |&face: &u32| shape_of(&self.faces[face as usize], positions).area_vector();
-        let normal = around.iter().map(area).sum::<Vector3>().try_normalize()?;
-        let depth = |facet: u32| {
-            let Some(own) = &self.own else { return Some(f64::INFINITY) };
-            let below = |&face| own.depth_below(self.master(), self.interface.domains(), face, facet);
-            around.iter().filter_map(below).reduce(f64::min)
-        };
-        let normals = index.normals();
-        let looks_against = |facet: u32| normals[facet as usize].dot(&normal) <= OPPOSITE;
-        let may = |facet: u32, foot: Option<&Foot>| match foot {
-            None => looks_against(facet),
-            Some(foot) => {
-                let height = normals[facet as usize].dot(&(x - foot.point));
-                depth(facet).is_some_and(|depth| height >= -depth)
-            }
-        };
-        let facet = index.closest_where(x.into(), f64::INFINITY, &mut Vec::new(), may)?.facet;
-        let deepest = if self.own.is_some() { depth(facet)? } else { far_side(index, facet) };
-        Some((facet as usize, deepest))
     }
 
     /// Takes over the positions and cuts the faces anew. What nodes couple is forgotten and begins with these positions.
@@ -532,6 +499,7 @@ impl FaceInterface {
             self.derive(mode, (&points, &tractions), &mut contacts, earlier)?;
         }
         contacts.pressures = points.pressures.iter().map(|own| own.force).collect();
+        contacts.found = points.is_contact;
         self.contacts = contacts;
         Ok(&self.contacts)
     }

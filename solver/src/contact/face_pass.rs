@@ -1,7 +1,9 @@
 //! Contact over the slave's faces, from its points to the entries of the stiffness.
 
 use diffuse_contact::assembly::Tangent;
-use diffuse_contact::faces::{FaceInterface, FaceOptions, FacePressures, IntegrationPoint, NodeContact};
+use diffuse_contact::faces::{
+    FaceCover, FaceInterface, FaceOptions, FacePressures, IntegrationPoint, NodeContact,
+};
 use diffuse_contact::interface::{FrictionReport, InterfaceError, Outcome};
 use diffuse_contact::surface::{Facet, MasterSurface};
 use diffuse_contact::{Mode, Point};
@@ -15,6 +17,8 @@ use crate::system::{BlockMatrix, Symmetry};
 #[derive(Debug)]
 pub struct FacePass {
     interface: FaceInterface,
+    /// What the faces lay over when the increment began.
+    cover: FaceCover,
     /// Penalty, multipliers and stiffness of friction are per area.
     state: PassState,
     /// The mode of the last evaluation.
@@ -47,7 +51,8 @@ impl FacePass {
             interface.set_quadratic_faces(&options.quadratic_faces).map_err(named)?;
         }
         let state = PassState::new(options, penalty, interface.slaves().len(), positions.len())?;
-        Ok(Self { interface, state, mode: Mode::Value, forces: vec![0.0; 3 * positions.len()] })
+        let (cover, forces) = (FaceCover::default(), vec![0.0; 3 * positions.len()]);
+        Ok(Self { interface, cover, state, mode: Mode::Value, forces })
     }
 
     fn contacts(&self) -> &[NodeContact] {
@@ -147,7 +152,11 @@ impl Pass for FacePass {
     }
 
     fn finder(&self) -> Finder<'_> {
-        Finder::Faces(&self.interface)
+        Finder::Faces(&self.interface, &self.cover)
+    }
+
+    fn remember(&mut self) {
+        self.cover = self.interface.cover();
     }
 
     fn multiplier_of(&self, _slave: &SlaveState, gap: f64) -> f64 {

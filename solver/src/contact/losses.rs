@@ -1,6 +1,6 @@
 //! Slaves that lose their contact under load.
 
-use diffuse_contact::interface::NoContact;
+use diffuse_contact::interface::{NoContact, Outcome};
 
 use super::ContactError;
 use super::tracks::{Parted, Tracks};
@@ -37,7 +37,7 @@ pub enum Loss {
     Element(NoContact),
     /// It went through the master, deeper than masters are looked for.
     #[error(
-        "it went through the master and lies {depth:e} below the facet that it was over when the increment began"
+        "it, or a face around it, went through the master and lies {depth:e} below the facet that was there when the increment began"
     )]
     Through { depth: f64 },
 }
@@ -99,21 +99,26 @@ impl Losses {
         self.carried.get(k).copied().unwrap_or(false)
     }
 
-    /// Whether the slave in place `k`, which has no element for this reason, is one that was lost.
+    /// Whether the slave in place `k` is one that was lost: it has no element, or faces around it lie over nothing any more.
     pub fn judge(
         &self,
         k: usize,
         node: usize,
-        reason: NoContact,
+        outcome: Outcome,
         tracks: &mut Tracks<'_>,
     ) -> Option<LostContact> {
+        let reason = match outcome {
+            Outcome::None(reason) => Some(reason),
+            Outcome::Contact { .. } => None,
+        };
         let carried = self.carried(k);
         // An open slave may lose its element by right. Through the master it goes by right as little as another one: a long step takes it
         // from above to below.
-        if !carried && (is_failure(reason) || !self.over.get(k).copied().unwrap_or(false)) {
+        let failure = reason.filter(|&reason| is_failure(reason));
+        if !carried && (failure.is_some() || !self.over.get(k).copied().unwrap_or(false)) {
             return None;
         }
-        let loss = if is_failure(reason) {
+        let loss = if let Some(reason) = failure {
             Loss::Element(reason)
         } else if let Parted::Through { depth } = tracks.parted(k, node, reason) {
             Loss::Through { depth }
@@ -127,6 +132,6 @@ impl Losses {
     /// from its master.
     pub fn vanished(&self, k: usize, node: usize, reason: NoContact, tracks: &mut Tracks<'_>) -> bool {
         let before = self.before.get(k).copied().unwrap_or(false);
-        before && (is_failure(reason) || !matches!(tracks.parted(k, node, reason), Parted::Opened))
+        before && (is_failure(reason) || tracks.parted(k, node, Some(reason)) != Parted::Opened)
     }
 }

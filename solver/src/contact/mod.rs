@@ -297,7 +297,8 @@ impl ContactSet {
         self.interactions.iter_mut().for_each(Interaction::note);
     }
 
-    /// Excuses the slaves without an element at the last evaluation, one at the beginning of the increment.
+    /// Excuses the slaves without an element at the last evaluation, one at the beginning of the increment, and remembers what faces lie
+    /// over there.
     pub fn excuse(&mut self) {
         self.interactions.iter_mut().for_each(Interaction::excuse);
     }

@@ -238,8 +238,11 @@ pub trait Pass: std::fmt::Debug {
     /// The master's facets.
     fn master(&self) -> &MasterSurface;
 
-    /// How what slaves are over is found.
+    /// How what slaves were over is found.
     fn finder(&self) -> Finder<'_>;
+
+    /// Remembers what slaves are over, where nothing else tells it later.
+    fn remember(&mut self) {}
 
     /// Open slaves that may be supposed to touch, by the bodies that they are on or face: place, state and gap.
     fn open(&self, bodies: &Bodies) -> BTreeMap<usize, Vec<(usize, SlaveState, f64)>> {
@@ -438,6 +441,7 @@ pub trait Pass: std::fmt::Debug {
 
     /// At an increment's start: slaves without an element need not get one.
     fn excuse(&mut self) {
+        self.remember();
         for (k, (_, outcome)) in self.outcomes().into_iter().enumerate() {
             match outcome {
                 Outcome::None(reason) => self.state_mut().losses.excuse(k, reason),
@@ -450,12 +454,12 @@ pub trait Pass: std::fmt::Debug {
     /// The slaves that have no contact although they carried force and have not left the master, or were over it and went through.
     fn lost(&self, way: Way<'_>) -> Vec<LostContact> {
         let mut tracks = Tracks::new(way, self.master(), self.finder());
-        let judged =
-            self.outcomes().into_iter().enumerate().filter_map(|(k, (node, outcome))| match outcome {
-                Outcome::None(reason) => self.state().losses.judge(k, node, reason, &mut tracks),
-                Outcome::Contact { .. } => None,
-            });
-        judged.collect()
+        // Over faces, one of those around a slave may have gone through while others have not.
+        let is_whole =
+            |outcome: &Outcome| outcome.is_contact() && !matches!(self.finder(), Finder::Faces(..));
+        let outcomes = self.outcomes().into_iter().enumerate().filter(|(_, (_, outcome))| !is_whole(outcome));
+        let judge = |(k, (node, outcome))| self.state().losses.judge(k, node, outcome, &mut tracks);
+        outcomes.filter_map(judge).collect()
     }
 
     /// How many slaves carried force since the increment began, or right before it, and are beyond the master's border now.

@@ -1,7 +1,7 @@
 //! How slaves have moved against the facets that they were over when an increment began.
 
 use diffuse_contact::Point;
-use diffuse_contact::faces::FaceInterface;
+use diffuse_contact::faces::{FaceCover, FaceInterface};
 use diffuse_contact::interface::NoContact;
 use diffuse_contact::surface::{Facet, MasterSurface, SurfaceIndex};
 use nalgebra::Vector3;
@@ -15,7 +15,9 @@ pub struct Way<'a> {
     pub to: &'a [Point],
 }
 
-/// How a slave that has nothing over it any more has moved against the facet that it was over when the increment began.
+/// How a slave that has nothing over it any more has moved against the facet that it was over when the increment began, or of its faces the
+/// place that went deepest.
+#[derive(Clone, Copy, Debug, PartialEq, PartialOrd)]
 pub enum Parted {
     /// It rose from it, or there is no such facet.
     Opened,
@@ -33,6 +35,9 @@ pub enum Parted {
 /// nobody penetrates and stays on his side. It is a part of the last, too: over faces their points are found, which may lie deeper than nodes.
 const THROUGH: f64 = 0.5;
 
+/// The part of the distance from an edge to the middle of a facet that counts as the facet beyond the edge.
+const BESIDE: f64 = 0.05;
+
 /// How what a slave was over is found.
 #[derive(Clone, Copy)]
 pub enum Finder<'a> {
@@ -40,8 +45,8 @@ pub enum Finder<'a> {
     Closest,
     /// The slaves are the master's own nodes: it is the closest facet that looks against the slave.
     ClosestOwn,
-    /// By what its faces may touch, and how deep.
-    Faces(&'a FaceInterface),
+    /// By what its faces lay over.
+    Faces(&'a FaceInterface, &'a FaceCover),
 }
 
 /// What slaves of a pass were over when the increment began; looked up when the first one asks.
@@ -56,7 +61,7 @@ pub struct Tracks<'a> {
 enum Start<'a> {
     Closest(SurfaceIndex<'a>),
     Own(Own),
-    Faces(&'a FaceInterface, SurfaceIndex<'a>),
+    Faces(&'a FaceInterface, &'a FaceCover, SurfaceIndex<'a>),
 }
 
 impl<'a> Start<'a> {
@@ -64,7 +69,7 @@ impl<'a> Start<'a> {
         Some(match finder {
             Finder::Closest => Self::Closest(master.at(positions).ok()?),
             Finder::ClosestOwn => Self::Own(Own::at(master, positions)?),
-            Finder::Faces(interface) => Self::Faces(interface, master.at(positions).ok()?),
+            Finder::Faces(interface, cover) => Self::Faces(interface, cover, master.at(positions).ok()?),
         })
     }
 }
@@ -75,40 +80,68 @@ impl<'a> Tracks<'a> {
         Self { way, master, finder, start: None }
     }
 
-    /// The facet that the slave in place `k` was over, and how deep below it slaves are found, length.
-    fn over(&mut self, k: usize, node: usize) -> Option<(usize, f64)> {
-        let Self { way: Way { from, .. }, master, finder, ref mut start } = *self;
-        let start = start.get_or_insert_with(|| Start::at(from, master, finder)).as_ref()?;
-        let &slave = from.get(node)?;
-        match start {
-            Start::Closest(index) => Some((index.closest(slave)?.facet, f64::INFINITY)),
-            Start::Own(own) => {
-                let place = master.nodes().binary_search(&(node as u32)).ok()?;
-                Some((own.closest(slave, own.normals[place])?, f64::INFINITY))
-            }
-            Start::Faces(interface, index) => interface.facet_over(k, index, from),
-        }
-    }
-
-    /// How the slave in place `k`, which has no contact for this reason, has moved.
-    pub fn parted(&mut self, k: usize, node: usize, reason: NoContact) -> Parted {
-        let Some((facet, deepest)) = self.over(k, node) else { return Parted::Opened };
-        let facet = self.master.facet(facet);
-        let Way { from, to } = self.way;
-        let [(before, at_first), (now, at_last)] =
-            [from, to].map(|positions| Plane::of(&facet, positions).split(positions[node]));
-        if !(now < 0.0) {
-            return Parted::Opened;
-        }
+    /// How the slave in place `k` has moved, if it has no contact for this reason; over faces, how those around it have that lie over
+    /// nothing any more.
+    pub fn parted(&mut self, k: usize, node: usize, reason: Option<NoContact>) -> Parted {
+        let Self { way, master, finder, ref mut start } = *self;
         let reach = match reason {
-            NoContact::TooFar { limit, .. } | NoContact::NothingOver { limit } => limit,
+            Some(NoContact::TooFar { limit, .. } | NoContact::NothingOver { limit }) => limit,
             _ => f64::INFINITY,
         };
-        let least = THROUGH * reach.min(deepest).min(extent(&facet, to));
-        let along = (at_last - at_first).norm();
-        let is_through = -now > least && before - now > along;
-        if is_through { Parted::Through { depth: -now } } else { Parted::Along }
+        let start = start.get_or_insert_with(|| Start::at(way.from, master, finder));
+        let (Some(start), Some(&slave)) = (start.as_ref(), way.from.get(node)) else { return Parted::Opened };
+        let facet = match start {
+            Start::Closest(index) => index.closest(slave).map(|closest| closest.facet),
+            Start::Own(own) => {
+                let place = master.nodes().binary_search(&(node as u32)).ok();
+                place.and_then(|place| own.closest(slave, own.normals[place]))
+            }
+            Start::Faces(interface, cover, index) => {
+                let moved = interface.uncovered(cover, k).map(|place| {
+                    let at = [way.from, way.to].map(|positions| interface.position_of(&place, positions));
+                    let facet = master.facet(place.facet);
+                    let parted = parted_from(&facet, way, at, || reach.min(interface.deepest(&place, index)));
+                    // What lay over a flank is not below it where the face has slid over the top.
+                    if crosses(&facet, way, at) { parted } else { Parted::Opened }
+                });
+                let worst = |one: Parted, other: Parted| if other > one { other } else { one };
+                return moved.fold(Parted::Opened, worst);
+            }
+        };
+        let at = [way.from, way.to].map(|positions| positions[node]);
+        facet.map_or(Parted::Opened, |facet| parted_from(&master.facet(facet), way, at, || reach))
     }
+}
+
+/// How a point has moved against a facet that it was over, on its way between two positions. `deepest`: how deep it may lie below and
+/// still be found, length.
+fn parted_from(facet: &Facet, way: Way<'_>, at: [Point; 2], deepest: impl FnOnce() -> f64) -> Parted {
+    let Way { from, to } = way;
+    let [(before, at_first), (now, at_last)] =
+        [(from, at[0]), (to, at[1])].map(|(positions, x)| Plane::of(facet, positions).split(x));
+    if !(now < 0.0) {
+        return Parted::Opened;
+    }
+    let along = (at_last - at_first).norm();
+    let is_through = before - now > along && -now > THROUGH * extent(facet, to).min(deepest());
+    if is_through { Parted::Through { depth: -now } } else { Parted::Along }
+}
+
+/// Whether a point crosses a facet on a straight way between two positions; one that begins below it does so at once.
+fn crosses(facet: &Facet, Way { from, to }: Way<'_>, at: [Point; 2]) -> bool {
+    let [before, now] =
+        [(from, at[0]), (to, at[1])].map(|(positions, x)| Plane::of(facet, positions).split(x).0);
+    let t = (before / (before - now)).clamp(0.0, 1.0);
+    let between = |one: Point, other: Point| Vector3::from(one).lerp(&Vector3::from(other), t);
+    let corners: Vec<_> = facet.corners().iter().map(|&node| between(from[node], to[node])).collect();
+    let x = between(at[0], at[1]);
+    let middle = corners.iter().sum::<Vector3<f64>>() / corners.len() as f64;
+    let edges = corners.iter().zip(corners.iter().cycle().skip(1));
+    // Seen from the middle the point is on this side of each edge, or a little beyond.
+    edges.map(|(&from, &to)| (from, to - from)).all(|(from, edge)| {
+        let inwards = middle - from - edge * (edge.dot(&(middle - from)) / edge.norm_squared());
+        inwards.dot(&(x - from)) >= -BESIDE * inwards.norm_squared()
+    })
 }
 
 /// A surface in contact with itself.

@@ -1,0 +1,85 @@
+//! What the slave's faces lay over at one time: whether they went through it later is asked of these places.
+
+use std::ops::Range;
+
+use super::cut::far_side;
+use super::evaluate::SMALLEST_AREA;
+use super::{FaceInterface, FacePoint};
+use crate::Point;
+use crate::surface::{SurfaceIndex, shape_of};
+
+/// The places of all faces that lay over a facet when it was [asked for](FaceInterface::cover).
+#[derive(Clone, Debug, Default)]
+pub struct FaceCover {
+    points: Vec<FacePoint>,
+    /// Of each face.
+    ranges: Vec<Range<usize>>,
+}
+
+/// A place of a slave face that lay over a facet of the master.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct CoveredPlace {
+    /// The number of its face among the slave's.
+    pub face: usize,
+    /// The facet.
+    pub facet: usize,
+    natural: [f64; 2],
+}
+
+impl FaceInterface {
+    /// The places of the faces that lie over the master at the positions of the last update.
+    pub fn cover(&self) -> FaceCover {
+        let ranges = self.cuts.iter().map(|cut| cut.points.clone()).collect();
+        FaceCover { points: self.points.clone(), ranges }
+    }
+
+    /// The places around the `k`-th node that lay over the master then, of faces without contact at the last evaluation.
+    ///
+    /// # Panics
+    /// If there is no such node, or the cover is that of other faces.
+    pub fn uncovered<'a>(
+        &'a self,
+        cover: &'a FaceCover,
+        k: usize,
+    ) -> impl Iterator<Item = CoveredPlace> + 'a {
+        let found = |&point: &usize| self.contacts.found.get(point).copied().unwrap_or(false);
+        let is_bare = move |&&face: &&u32| {
+            let face = face as usize;
+            let points = self.cuts[face].points.clone().filter(found);
+            let area: f64 = points.map(|point| self.points[point].weight).sum();
+            area <= SMALLEST_AREA * shape_of(&self.faces[face], &self.first).area_vector().norm()
+        };
+        self.around[k].iter().filter(is_bare).map(|&face| face as usize).flat_map(|face| {
+            let points = cover.ranges.get(face).map_or(&[][..], |own| &cover.points[own.clone()]);
+            points.iter().map(move |&FacePoint { facet, natural, .. }| CoveredPlace {
+                face,
+                facet: facet as usize,
+                natural,
+            })
+        })
+    }
+
+    /// Where a place of a face is at these positions of all nodes, length.
+    ///
+    /// # Panics
+    /// If there is no such face or position.
+    pub fn position_of(&self, place: &CoveredPlace, positions: &[Point]) -> Point {
+        let corners = self.faces[place.face].corners().len();
+        self.skin.position(place.face, corners, place.natural, positions)
+    }
+
+    /// How deep the face may lie below the facet and still touch it, at the positions of the master's index, length: half of the body's
+    /// thickness in self contact, else up to the far side of the body.
+    ///
+    /// # Panics
+    /// If the index is that of another surface.
+    pub fn deepest(&self, place: &CoveredPlace, index: &SurfaceIndex<'_>) -> f64 {
+        let facet = place.facet as u32;
+        match &self.own {
+            Some(own) => own
+                .depth_below(self.master(), self.interface.domains(), place.face as u32, facet)
+                .unwrap_or(f64::INFINITY),
+            None => far_side(index, facet),
+        }
+    }
+}

@@ -73,22 +73,20 @@ pub unsafe extern "C" fn dc_window_counts(
     integer_count: *mut usize,
     real_count: *mut usize,
 ) -> dc_status {
-    border::call(|| {
-        WINDOWS.with(window.addr(), |window| {
-            let nodes = wanted("node_count", node_count, 1, 1)?;
-            let facets = wanted("facet_count", facet_count, 1, 1)?;
-            let integers = wanted("integer_count", integer_count, 1, 1)?;
-            let reals = wanted("real_count", real_count, 1, 1)?;
-            disjoint([nodes.span(), facets.span(), integers.span(), reals.span()])?;
-            let (integer_count, real_count) = window.count_numbers();
-            unsafe {
-                nodes.write([window.nodes().len()]);
-                facets.write([window.facets().len()]);
-                integers.write([integer_count]);
-                reals.write([real_count]);
-            }
-            Ok(())
-        })
+    WINDOWS.call(window, |window| {
+        let nodes = wanted("node_count", node_count, 1, 1)?;
+        let facets = wanted("facet_count", facet_count, 1, 1)?;
+        let integers = wanted("integer_count", integer_count, 1, 1)?;
+        let reals = wanted("real_count", real_count, 1, 1)?;
+        disjoint([nodes.span(), facets.span(), integers.span(), reals.span()])?;
+        let (integer_count, real_count) = window.count_numbers();
+        unsafe {
+            nodes.write([window.nodes().len()]);
+            facets.write([window.facets().len()]);
+            integers.write([integer_count]);
+            reals.write([real_count]);
+        }
+        Ok(())
     })
 }
 
@@ -104,17 +102,15 @@ pub unsafe extern "C" fn dc_window_names(
     facets: *mut i64,
     facet_count: usize,
 ) -> dc_status {
-    border::call(|| {
-        WINDOWS.with(window.addr(), |window| {
-            let nodes = wanted("nodes", nodes, node_count, window.nodes().len())?;
-            let facets = wanted("facets", facets, facet_count, window.facets().len())?;
-            disjoint([nodes.span(), facets.span()])?;
-            unsafe {
-                nodes.write(window.nodes().map(|number| number as i64));
-                facets.write(window.facets().map(|number| number as i64));
-            }
-            Ok(())
-        })
+    WINDOWS.call(window, |window| {
+        let nodes = wanted("nodes", nodes, node_count, window.nodes().len())?;
+        let facets = wanted("facets", facets, facet_count, window.facets().len())?;
+        disjoint([nodes.span(), facets.span()])?;
+        unsafe {
+            nodes.write(window.nodes().map(|number| number as i64));
+            facets.write(window.facets().map(|number| number as i64));
+        }
+        Ok(())
     })
 }
 
@@ -130,18 +126,16 @@ pub unsafe extern "C" fn dc_window_numbers(
     reals: *mut f64,
     real_count: usize,
 ) -> dc_status {
-    border::call(|| {
-        WINDOWS.with(window.addr(), |window| {
-            let numbers = window.to_numbers();
-            let integers = roomy("integers", integers, integer_count, numbers.0.len())?;
-            let reals = roomy("reals", reals, real_count, numbers.1.len())?;
-            disjoint([integers.span(), reals.span()])?;
-            unsafe {
-                integers.write(numbers.0);
-                reals.write(numbers.1);
-            }
-            Ok(())
-        })
+    WINDOWS.call(window, |window| {
+        let numbers = window.to_numbers();
+        let integers = roomy("integers", integers, integer_count, numbers.0.len())?;
+        let reals = roomy("reals", reals, real_count, numbers.1.len())?;
+        disjoint([integers.span(), reals.span()])?;
+        unsafe {
+            integers.write(numbers.0);
+            reals.write(numbers.1);
+        }
+        Ok(())
     })
 }
 

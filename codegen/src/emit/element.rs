@@ -4,9 +4,9 @@ use proc_macro2::{Group, Literal, TokenStream, TokenTree};
 use quote::{format_ident, quote};
 
 use super::count::OpCounts;
-use super::derivatives::{Derivative, arguments_of};
+use super::derivatives::Derivative;
 use super::element_kernel::{EmittedElementKernel, documentation, function_name, title};
-use super::fixed::{Fixed, Head, nested};
+use super::fixed::{Fixed, Head};
 use super::function::solver_name;
 use super::node_element::emit_node_kernel;
 use super::tabulated::tabulated;
@@ -20,26 +20,13 @@ use crate::schedule::Program;
 pub fn emit_element_kernel(kernel: &Kernel<ElementSpec>) -> EmittedElementKernel {
     let program = Program::new(tabulated(lower(kernel)));
     let spec = &program.kernel.spec;
-    let ElementSpec { signature, mode, direction, .. } = spec;
-    if !signature.nodes.is_empty() {
+    if !spec.signature.nodes.is_empty() {
         return emit_node_kernel(&program, &Derivative::names(spec));
     }
-    let arguments = arguments_of(spec);
-    let head = Head {
-        name: format_ident!("{}", function_name(spec)),
-        inputs: quote!(Inputs<E>),
-        fields: &signature.inputs,
-        direction: direction.as_ref().map(|symbols| &symbols.element[..]),
-        values: format_ident!("Values"),
-        arguments: &arguments,
-        points: &signature.points,
-    };
-    let function = Fixed::new(&program, &head, |value, components| {
-        let returned = signature.values.iter().find(|returned| returned.name == value.name);
-        nested(returned.map_or(&[], |returned| &returned.dimensions), components)
-    });
+    let head = Head::new(spec);
+    let function = Fixed::new(&program, &head);
     let mut kernel = EmittedElementKernel {
-        mode: *mode,
+        mode: spec.mode,
         tokens: TokenStream::new(),
         counts: function.counts,
         per_node: [OpCounts::default(); 2],

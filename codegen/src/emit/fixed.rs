@@ -2,14 +2,15 @@
 
 use rustc_hash::FxHashMap;
 
-use proc_macro2::{Ident, TokenStream};
+use proc_macro2::TokenStream;
 use quote::{format_ident, quote};
 
 use super::count::OpCounts;
-use super::derivatives::DIRECTION;
+use super::derivatives::{DIRECTION, arguments_of};
+use super::element_kernel::function_name;
 use super::function::FunctionWriter;
 use crate::graph::{ExprId, NODE_COUNT, Op};
-use crate::model::{Input, Points, Value};
+use crate::model::{ElementSpec, Input, Points, Signature, Value};
 use crate::schedule::{Program, Statement};
 
 /// An argument that a derivative is written to, and its number of entries.
@@ -17,19 +18,9 @@ pub(crate) type Argument = (String, usize);
 
 /// What surrounds a function's body.
 pub(crate) struct Head<'a> {
-    pub name: Ident,
-    /// Type of the struct that is read.
-    pub inputs: TokenStream,
-    /// Its fields.
-    pub fields: &'a [Input],
-    /// Symbols of the vector that is an argument too, of a kernel of products; it returns nothing.
-    pub direction: Option<&'a [String]>,
-    /// Name of the struct that is returned.
-    pub values: Ident,
-    /// Values that are no fields of it.
-    pub arguments: &'a [Argument],
-    /// What outputs are summed over.
-    pub points: &'a Points,
+    spec: &'a ElementSpec,
+    /// Values that are no fields of the struct that is returned.
+    arguments: Vec<Argument>,
 }
 
 /// A function's pieces.
@@ -43,33 +34,25 @@ pub(crate) struct Fixed {
 }
 
 impl Fixed {
-    /// Writes the body. `shape` puts the components of a field together.
-    pub fn new<S>(
-        program: &Program<S>,
-        head: &Head<'_>,
-        shape: impl Fn(&Value, &[TokenStream]) -> TokenStream,
-    ) -> Self {
+    /// Writes the body.
+    pub fn new(program: &Program<ElementSpec>, head: &Head<'_>) -> Self {
         let mut function = FunctionWriter::new(program);
         let arguments: Vec<&str> = head.arguments.iter().map(|(name, _)| name.as_str()).collect();
         function.writer.names.reserve(&arguments);
-        if head.direction.is_some() {
+        if head.spec.direction.is_some() {
             function.writer.names.reserve(&[DIRECTION]);
         }
         // Constants of a module are no patterns.
         function.writer.names.reserve(&["VARIABLES", "OPTIMISED"]);
 
-        if head.points.rows.is_empty() {
-            return Self::straight(function, head, shape);
+        if head.spec.signature.points.rows.is_empty() {
+            return Self::straight(function, head);
         }
         function.writer.names.reserve(&["POINTS", "point", "sums", "entry"]);
-        Self::summed(function, head, shape)
+        Self::summed(function, head)
     }
 
-    fn straight<S>(
-        mut function: FunctionWriter<'_, S>,
-        head: &Head<'_>,
-        shape: impl Fn(&Value, &[TokenStream]) -> TokenStream,
-    ) -> Self {
+    fn straight(mut function: FunctionWriter<'_, ElementSpec>, head: &Head<'_>) -> Self {
         let program = function.program;
         let body: Vec<TokenStream> =
             program.phases.iter().map(|phase| function.statements(&phase.statements)).collect();
@@ -82,14 +65,7 @@ impl Fixed {
                 outputs.push(quote!(#name[#k] = #entry;));
             }
         }
-        let mut fields = Vec::new();
-        for value in values {
-            let field = format_ident!("{}", value.name);
-            let components: Vec<TokenStream> =
-                value.components.iter().map(|&x| function.writer.used(x)).collect();
-            let whole = shape(value, &components);
-            fields.push(quote!(#field: #whole));
-        }
+        let fields = fields(&head.spec.signature, &values, |x| function.writer.used(x));
         function.counts.element += function.writer.take_counts();
         let reads = head.reads(&mut function);
         let returned = head.returned(&fields);
@@ -107,25 +83,22 @@ impl Fixed {
     }
 
     /// A loop over points, after what is the same at all of them.
-    fn summed<S>(
-        mut function: FunctionWriter<'_, S>,
-        head: &Head<'_>,
-        shape: impl Fn(&Value, &[TokenStream]) -> TokenStream,
-    ) -> Self {
+    fn summed(mut function: FunctionWriter<'_, ElementSpec>, head: &Head<'_>) -> Self {
         let program = function.program;
-        let (same, varying) = split(program, head.points);
+        let points = &head.spec.signature.points;
+        let (same, varying) = split(program, points);
         let before = function.statements(&same);
         let mut counts = std::mem::take(&mut function.counts.element) + function.writer.take_counts();
         let body = function.statements(&varying);
-        let Sums { outputs, fields, count } = Sums::new(&mut function, head, shape);
+        let Sums { outputs, fields, count } = Sums::new(&mut function, head);
         let of_point = std::mem::take(&mut function.counts.element) + function.writer.take_counts();
         let additions = OpCounts { additions: outputs.len(), ..OpCounts::default() };
-        counts += (of_point + additions).times(head.points.rows.len());
+        counts += (of_point + additions).times(points.rows.len());
         // Each root counts once, as without points.
         counts += function.counts.iteration;
         let reads = head.reads(&mut function);
-        let point_reads = point_reads(&mut function, head.points);
-        let (table, number) = (table(head.points), head.points.rows.len());
+        let point_reads = point_reads(&mut function, points);
+        let (table, number) = (table(points), points.rows.len());
         let zeros = head.arguments.iter().map(|(name, length)| {
             let name = format_ident!("{name}");
             quote!(for entry in 0..#length { #name[entry] = E::ZERO; })
@@ -154,12 +127,12 @@ impl Fixed {
 
     /// The function.
     pub fn tokens(&self, head: &Head<'_>, documentation: &[String]) -> TokenStream {
-        let Head { name, inputs, values, .. } = head;
-        let direction = head.direction.map(|symbols| {
-            let (name, length) = (format_ident!("{DIRECTION}"), symbols.len());
+        let name = format_ident!("{}", function_name(head.spec));
+        let direction = head.spec.direction.as_ref().map(|symbols| {
+            let (name, length) = (format_ident!("{DIRECTION}"), symbols.element.len());
             quote!(#name: &[E; #length],)
         });
-        let returns = head.direction.is_none().then(|| quote!(-> #values<E>));
+        let returns = head.spec.direction.is_none().then(|| quote!(-> Values<E>));
         let arguments = head.arguments.iter().map(|(name, length)| {
             let name = format_ident!("{name}");
             quote!(#name: &mut [E; #length],)
@@ -169,7 +142,7 @@ impl Fixed {
             #(#[doc = #documentation])*
             #[inline(always)]
             pub fn #name<E: Lane>(
-                inputs: &#inputs,
+                inputs: &Inputs<E>,
                 #direction
                 #(#arguments)*
             ) #returns {
@@ -189,13 +162,9 @@ struct Sums {
 }
 
 impl Sums {
-    fn new<S>(
-        function: &mut FunctionWriter<'_, S>,
-        head: &Head<'_>,
-        shape: impl Fn(&Value, &[TokenStream]) -> TokenStream,
-    ) -> Self {
+    fn new(function: &mut FunctionWriter<'_, ElementSpec>, head: &Head<'_>) -> Self {
         let (derivatives, values) = head.outputs(function.program);
-        let (mut outputs, mut fields) = (Vec::new(), Vec::new());
+        let mut outputs = Vec::new();
         let mut add = |to: TokenStream, x: ExprId| {
             let entry = function.writer.used(x);
             outputs.push(quote!(#to = #to + #entry;));
@@ -205,45 +174,39 @@ impl Sums {
             value.components.iter().enumerate().for_each(|(k, &x)| add(quote!(#name[#k]), x));
         }
         let mut count = 0_usize;
-        for value in values {
-            let field = format_ident!("{}", value.name);
-            let places: Vec<TokenStream> = value
-                .components
-                .iter()
-                .map(|&x| {
-                    let to = quote!(sums[#count]);
-                    count += 1;
-                    add(to.clone(), x);
-                    to
-                })
-                .collect();
-            let whole = shape(value, &places);
-            fields.push(quote!(#field: #whole));
-        }
+        let fields = fields(&head.spec.signature, &values, |x| {
+            let to = quote!(sums[#count]);
+            count += 1;
+            add(to.clone(), x);
+            to
+        });
         Self { outputs, fields, count }
     }
 }
 
-impl Head<'_> {
+impl<'a> Head<'a> {
+    pub fn new(spec: &'a ElementSpec) -> Self {
+        Self { spec, arguments: arguments_of(spec) }
+    }
+
     /// Values that are written to arguments, and the others.
-    fn outputs<'k, S>(&self, program: &'k Program<S>) -> (Vec<&'k Value>, Vec<&'k Value>) {
+    fn outputs<'k>(&self, program: &'k Program<ElementSpec>) -> (Vec<&'k Value>, Vec<&'k Value>) {
         let is_argument = |value: &&Value| self.arguments.iter().any(|(name, _)| *name == value.name);
         program.kernel.values.iter().partition(is_argument)
     }
 
     /// The struct that is returned, if one is.
     fn returned(&self, fields: &[TokenStream]) -> Option<TokenStream> {
-        let values = &self.values;
-        self.direction.is_none().then(|| quote!(#values { #(#fields),* }))
+        self.spec.direction.is_none().then(|| quote!(Values { #(#fields),* }))
     }
 
     /// `let`s for what is used of the inputs and of the vector.
-    fn reads<S>(&self, function: &mut FunctionWriter<'_, S>) -> Vec<TokenStream> {
-        let mut all = reads(function, self.fields);
-        if let Some(names) = self.direction {
+    fn reads(&self, function: &mut FunctionWriter<'_, ElementSpec>) -> Vec<TokenStream> {
+        let mut all = reads(function, &self.spec.signature.inputs);
+        if let Some(names) = &self.spec.direction {
             let symbols = symbols(function);
             let entries: Vec<TokenStream> =
-                names.iter().map(|name| entry(function, &symbols, name)).collect();
+                names.element.iter().map(|name| entry(function, &symbols, name)).collect();
             let direction = format_ident!("{DIRECTION}");
             all.push(quote!(let [#(#entries),*] = *#direction;));
         }
@@ -335,6 +298,22 @@ pub(super) fn reads_and_count<S>(function: &mut FunctionWriter<'_, S>, fields: &
         reads.push(quote!(let node_count = E::splat(count as f64);));
     }
     reads
+}
+
+/// Fields of the struct `Values`; `component` writes a component of one.
+pub(super) fn fields(
+    signature: &Signature,
+    values: &[&Value],
+    mut component: impl FnMut(ExprId) -> TokenStream,
+) -> Vec<TokenStream> {
+    let field = |value: &&Value| {
+        let name = format_ident!("{}", value.name);
+        let components: Vec<TokenStream> = value.components.iter().map(|&x| component(x)).collect();
+        let returned = signature.values.iter().find(|returned| returned.name == value.name);
+        let whole = nested(returned.map_or(&[], |returned| &returned.dimensions), &components);
+        quote!(#name: #whole)
+    };
+    values.iter().map(field).collect()
 }
 
 /// `[[a, b], [c, d]]` of entries in order, the last dimension fastest.

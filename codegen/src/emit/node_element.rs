@@ -270,14 +270,6 @@ fn element_outputs(
             outputs.push(quote!(#name[#place] = #x;));
         }
     }
-    let mut fields = Vec::new();
-    for value in values {
-        let field = format_ident!("{}", value.name);
-        let components: Vec<TokenStream> =
-            value.components.iter().map(|&x| function.writer.used(x)).collect();
-        let returned = signature.values.iter().find(|returned| returned.name == value.name);
-        let whole = nested(returned.map_or(&[], |returned| &returned.dimensions), &components);
-        fields.push(quote!(#field: #whole));
-    }
+    let fields = fixed::fields(signature, &values, |x| function.writer.used(x));
     (outputs, fields)
 }

@@ -1,6 +1,6 @@
 //! The module of an element of fixed size: its types, and what runs its kernels.
 
-use proc_macro2::TokenStream;
+use proc_macro2::{Ident, TokenStream};
 use quote::quote;
 
 use super::derivatives::Derivative;
@@ -66,15 +66,8 @@ fn results(signature: &Signature, last: Mode) -> TokenStream {
 
 /// `evaluate`, `batch` and what they need.
 pub(super) fn runners(signature: &Signature, last: Mode) -> TokenStream {
-    let single = call_by_mode(
-        signature,
-        last,
-        |_| quote!(inputs),
-        |derivative| {
-            let name = derivative.ident();
-            quote!(&mut results.#name)
-        },
-    );
+    let target = |name: &Ident| quote!(&mut results.#name);
+    let single = call_by_mode(signature, last, |_| quote!(inputs), target);
     let (best_isa, lanes, evaluate_to) = (best_isa(), lanes(signature, last), evaluate_to(signature, last));
     quote! {
         /// Evaluates one element.
@@ -120,11 +113,8 @@ fn evaluate_to(signature: &Signature, last: Mode) -> Option<TokenStream> {
     let names: Vec<_> = all.iter().map(Derivative::ident).collect();
     let lengths = all.iter().map(|of| format!("`{}` {}", of.name, of.length(signature.variables())));
     let lengths = format!(" Entries of the slices: {}.", lengths.collect::<Vec<_>>().join(", "));
-    let first = |derivative: &Derivative| {
-        let name = derivative.ident();
-        quote!(first_entries(#name))
-    };
-    let values = call_by_mode(signature, last, |_| quote!(inputs), first);
+    let target = |name: &Ident| quote!(first_entries(#name));
+    let values = call_by_mode(signature, last, |_| quote!(inputs), target);
     (!all.is_empty()).then(|| {
         quote! {
             /// Evaluates one element, its derivatives to slices. Those that the mode does not ask for are not touched, and may be empty.
@@ -151,15 +141,7 @@ fn lanes(signature: &Signature, last: Mode) -> TokenStream {
         let (name, length) = (derivative.ident(), derivative.length(signature.variables()));
         quote!(let mut #name = [T::ZERO; #length];)
     });
-    let values = call_by_mode(
-        signature,
-        last,
-        |_| quote!(&lanes),
-        |derivative| {
-            let name = derivative.ident();
-            quote!(&mut #name)
-        },
-    );
+    let values = call_by_mode(signature, last, |_| quote!(&lanes), |name| quote!(&mut #name));
     let stored = stored(signature, last, &quote!(results), &quote!(result));
     quote! {
         struct Elements<'a> {

@@ -1,6 +1,6 @@
 //! What the modules of all elements have: fields and their lanes, values, calls by mode, and what results are stored with.
 
-use proc_macro2::TokenStream;
+use proc_macro2::{Ident, TokenStream};
 use quote::{format_ident, quote};
 
 use super::derivatives::Derivative;
@@ -103,12 +103,12 @@ pub(super) fn hessian_at(last: Mode) -> Option<TokenStream> {
     })
 }
 
-/// The kernel of a mode, called with `first` and where its derivatives go to.
+/// The kernel of a mode, called with `first` and where its derivatives, by name, go to.
 pub(super) fn call_by_mode(
     signature: &Signature,
     last: Mode,
     first: impl Fn(Mode) -> TokenStream,
-    target: impl Fn(&Derivative) -> TokenStream,
+    target: impl Fn(&Ident) -> TokenStream,
 ) -> TokenStream {
     let arms = Mode::ALL[..=last as usize].iter().map(|&mode| {
         let variant = match mode {
@@ -119,7 +119,8 @@ pub(super) fn call_by_mode(
         // More derivatives than there are: all there are.
         let pattern = if mode == last { quote!(_) } else { variant };
         let (function, first) = (format_ident!("{}", mode.name()), first(mode));
-        let targets = Derivative::all(signature, mode).into_iter().map(|derivative| target(&derivative));
+        let targets = Derivative::all(signature, mode);
+        let targets = targets.iter().map(|derivative| target(&derivative.ident()));
         quote!(#pattern => self::#function(#first, #(#targets),*),)
     });
     quote!(match mode { #(#arms)* })

@@ -143,10 +143,7 @@ pub(super) fn runners(signature: &Signature, last: Mode) -> TokenStream {
 }
 
 fn single(signature: &Signature, last: Mode) -> TokenStream {
-    let target = |derivative: &Derivative| {
-        let name = derivative.ident();
-        quote!(&mut results.#name)
-    };
+    let target = |name: &Ident| quote!(&mut results.#name);
     let values = call_by_mode(signature, last, |mode| inputs_and_scratch(&quote!(inputs), mode), target);
     let most = last as usize;
     quote! {
@@ -207,10 +204,7 @@ fn lanes(signature: &Signature, last: Mode) -> TokenStream {
     let all = Derivative::all(signature, last);
     let names: Vec<Ident> = all.iter().map(Derivative::ident).collect();
     let lengths = all.iter().map(Derivative::length_by_count);
-    let target = |derivative: &Derivative| {
-        let name = derivative.ident();
-        quote!(&mut #name)
-    };
+    let target = |name: &Ident| quote!(&mut #name);
     let values = call_by_mode(signature, last, |mode| inputs_and_scratch(&quote!(&gathered), mode), target);
     let stored = stored(signature, last, &quote!(lanes), &quote!((_, result)));
     let most = last as usize;

@@ -13,10 +13,9 @@ use super::nodes::{
     Width, derivative_place, is_empty, node_count, node_index, node_loads, node_reads, node_stores, results,
     terms, writer,
 };
-use super::places;
 use super::writer::{Access, Writer};
 use crate::graph::{ExprId, NODE_COUNT};
-use crate::model::{ElementSpec, Input, Mode, Signature};
+use crate::model::{ElementSpec, Mode};
 use crate::schedule::{NodeLoop, Program, Statement};
 
 /// A part of a function's body.
@@ -57,7 +56,7 @@ pub(super) fn functions(program: &Program<ElementSpec>, derivatives: &[String], 
          DIFFUSE_CONTACT_WHOLE_LOOPS\n\
          static inline void {name}_lanes(size_t lanes, size_t elements, size_t count, {arrays}) {{\n"
     );
-    text += &body(program, derivatives);
+    text += &body(program);
     let _ = writeln!(
         text,
         "}}\n\n/* Many elements with as many nodes each: {}. Entry i of element k is at i * elements + k of each array; entries of inputs, \
@@ -82,7 +81,7 @@ pub(super) fn functions(program: &Program<ElementSpec>, derivatives: &[String], 
 }
 
 /// The body for elements side by side.
-fn body(program: &Program<ElementSpec>, derivatives: &[String]) -> String {
+fn body(program: &Program<ElementSpec>) -> String {
     let ElementSpec { signature, mode, .. } = &program.kernel.spec;
     let sizes = (signature.variables(), signature.node_variables());
     let input = |_: &str, _: &str, number: usize| Width::Lanes.entry("inputs", &number.to_string());
@@ -90,7 +89,7 @@ fn body(program: &Program<ElementSpec>, derivatives: &[String]) -> String {
     let derivative = |name: &str, k: usize| derivative_place(Width::Lanes, name, k, sizes);
     let direction = |k: usize| Width::Lanes.entry(DIRECTION, &k.to_string());
     let access = Access { input: &input, direction: &direction, value: &value, derivative: &derivative };
-    let mut lanes = LanesWriter::new(writer(program, derivatives, &access));
+    let mut lanes = LanesWriter::new(writer(program, &access));
     let scratch = Scratch::new(program);
 
     for phase in &program.phases {
@@ -139,16 +138,13 @@ struct LanesWriter<'a> {
 impl<'a> LanesWriter<'a> {
     fn new(writer: Writer<'a>) -> Self {
         let spec = &writer.program.kernel.spec;
-        let direction = spec.direction.iter().flat_map(|symbols| symbols.element.iter().enumerate());
-        let direction = direction.map(|(number, symbol)| (DIRECTION, symbol, number));
-        let inputs = numbered(&spec.signature)
-            .map(|(symbol, number)| ("inputs", symbol, number))
-            .chain(direction)
-            .filter_map(|(array, symbol, number)| {
-                let place = Width::Lanes.entry(array, &number.to_string());
-                writer.symbol(symbol).map(|expr| (expr, place))
-            })
-            .collect();
+        let inputs = spec.signature.inputs.iter().flat_map(|input| &input.symbols).enumerate();
+        let direction = spec.direction.iter().flat_map(|symbols| &symbols.element).enumerate();
+        let all = inputs.map(|entry| ("inputs", entry)).chain(direction.map(|entry| (DIRECTION, entry)));
+        let place = |(array, (number, symbol)): (&str, (usize, &String))| {
+            writer.symbol(symbol).map(|expr| (expr, Width::Lanes.entry(array, &number.to_string())))
+        };
+        let inputs = all.filter_map(place).collect();
         let common = writer.symbol(NODE_COUNT).into_iter().collect();
         Self { writer, inputs, common, parts: Vec::new(), shared: FxHashMap::default() }
     }
@@ -247,16 +243,4 @@ impl<'a> LanesWriter<'a> {
         }
         text
     }
-}
-
-/// Symbols of the inputs, with their numbers.
-fn numbered(signature: &Signature) -> impl Iterator<Item = (&String, usize)> {
-    let symbols = |input: &Input| places(&input.dimensions).len();
-    debug_assert!(signature.inputs.iter().all(|input| symbols(input) == input.symbols.len()));
-    signature
-        .inputs
-        .iter()
-        .flat_map(|input| &input.symbols)
-        .enumerate()
-        .map(|(number, symbol)| (symbol, number))
 }

@@ -15,7 +15,7 @@ use std::fmt::Write as _;
 
 use super::derivatives::{DIRECTION, arguments, arguments_of};
 use super::element_kernel::{function_name, title};
-use super::fixed::{Argument, split};
+use super::fixed::split;
 use super::tabulated::tabulated;
 use crate::graph::Iteration;
 use crate::lower::lower;
@@ -219,7 +219,7 @@ fn kernel_text(kernel: &Kernel<ElementSpec>) -> String {
         "static inline void {name}_{mode_name}(const {name}_inputs *inputs, {second}{}) {{",
         parameters.collect::<String>()
     );
-    text += &single(&program, &derivatives);
+    text += &single(&program);
     text += "}\n";
 
     let _ = writeln!(
@@ -236,19 +236,19 @@ fn kernel_text(kernel: &Kernel<ElementSpec>) -> String {
         "DIFFUSE_CONTACT_WHOLE_LOOPS\nstatic inline void {name}_{mode_name}_batch(size_t count, const double *DIFFUSE_CONTACT_RESTRICT inputs, {second}{}) {{",
         parameters.collect::<String>()
     );
-    text += &batch(&program, &derivatives);
+    text += &batch(&program);
     text + "}\n"
 }
 
 /// The body for one element.
-fn single(program: &Program<ElementSpec>, derivatives: &[Argument]) -> String {
+fn single(program: &Program<ElementSpec>) -> String {
     let input = |name: &str, place: &str, _: usize| format!("inputs->{}{place}", field(name));
     let value = |name: &str, place: &str, _: usize| format!("values->{}{place}", field(name));
     let derivative = |name: &str, k: usize| format!("{name}[{k}]");
     let direction = |k: usize| format!("{DIRECTION}[{k}]");
     let access = Access { input: &input, direction: &direction, value: &value, derivative: &derivative };
     let points = &program.kernel.spec.signature.points;
-    let mut writer = Writer::new(program, derivatives, &access);
+    let mut writer = Writer::new(program, &access);
     if points.rows.is_empty() {
         let all: Vec<Statement> = statements(program).collect();
         return writer.reads("    ") + &writer.lets("    ", &all) + &writer.outputs("    ", "=");
@@ -263,14 +263,14 @@ fn single(program: &Program<ElementSpec>, derivatives: &[Argument]) -> String {
 }
 
 /// The body for many elements: with points, loops over the elements inside a loop over the points.
-fn batch(program: &Program<ElementSpec>, derivatives: &[Argument]) -> String {
+fn batch(program: &Program<ElementSpec>) -> String {
     let input = |_: &str, _: &str, number: usize| format!("inputs[{number} * count + k]");
     let value = |_: &str, _: &str, number: usize| format!("values[{number} * count + k]");
     let derivative = |name: &str, number: usize| format!("{name}[{number} * count + k]");
     let direction = |number: usize| format!("{DIRECTION}[{number} * count + k]");
     let access = Access { input: &input, direction: &direction, value: &value, derivative: &derivative };
     let points = &program.kernel.spec.signature.points;
-    let mut writer = Writer::new(program, derivatives, &access);
+    let mut writer = Writer::new(program, &access);
     let all: Vec<Statement> = statements(program).collect();
     let elements = |indent: &str| {
         format!("{indent}DIFFUSE_CONTACT_INDEPENDENT\n{indent}for (size_t k = 0; k < count; k++) {{\n")

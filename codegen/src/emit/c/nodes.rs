@@ -110,14 +110,14 @@ fn kernel_text(program: &Program<ElementSpec>, kernel: &Kernel<ElementSpec>) -> 
         "static inline void {name}_{mode_name}(size_t count, const {name}_inputs *inputs, const {name}_node *nodes, {second}\
          {parameters}, double *scratch) {{"
     );
-    text += &body(program, &derivatives);
+    text += &body(program);
     text += "}\n";
 
     text + &lanes::functions(program, &derivatives, &scratch)
 }
 
 /// The body for one element.
-fn body(program: &Program<ElementSpec>, derivatives: &[String]) -> String {
+fn body(program: &Program<ElementSpec>) -> String {
     let ElementSpec { signature, .. } = &program.kernel.spec;
     let input = |name: &str, place: &str, _: usize| format!("inputs->{}{place}", field(name));
     let value = |name: &str, place: &str, _: usize| format!("values->{}{place}", field(name));
@@ -125,7 +125,7 @@ fn body(program: &Program<ElementSpec>, derivatives: &[String]) -> String {
     let derivative = |name: &str, k: usize| derivative_place(Width::One, name, k, (of_element, of_node));
     let direction = |k: usize| Width::One.entry(DIRECTION, &k.to_string());
     let access = Access { input: &input, direction: &direction, value: &value, derivative: &derivative };
-    let mut writer = writer(program, derivatives, &access);
+    let mut writer = writer(program, &access);
     let scratch = Scratch::new(program);
 
     let mut text = "    (void)inputs;\n    (void)nodes;\n    (void)scratch;\n".to_owned();
@@ -150,13 +150,8 @@ fn body(program: &Program<ElementSpec>, derivatives: &[String]) -> String {
 }
 
 /// Writes a function with names of the surrounding code taken.
-pub(super) fn writer<'a>(
-    program: &'a Program<ElementSpec>,
-    derivatives: &[String],
-    access: &'a Access<'a>,
-) -> Writer<'a> {
-    let reserved: Vec<(String, usize)> = derivatives.iter().map(|name| (name.clone(), 0)).collect();
-    let mut writer = Writer::new(program, &reserved, access);
+pub(super) fn writer<'a>(program: &'a Program<ElementSpec>, access: &'a Access<'a>) -> Writer<'a> {
+    let mut writer = Writer::new(program, access);
     writer.names.reserve(&RESERVED);
     writer
 }

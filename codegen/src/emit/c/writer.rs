@@ -2,9 +2,8 @@
 
 use std::fmt::Write as _;
 
-use super::super::derivatives::DIRECTION;
+use super::super::derivatives::{DIRECTION, Derivative};
 use super::super::expression::Strength;
-use super::super::fixed::Argument;
 use super::super::names::Names;
 use super::{TAKEN, WORDS, places};
 use crate::graph::{ExprId, Function, Graph, Iteration, Limits, Op, RootFigure, RootId};
@@ -40,11 +39,12 @@ pub(super) struct Trace {
 }
 
 impl<'a> Writer<'a> {
-    pub fn new(program: &'a Program<ElementSpec>, derivatives: &[Argument], access: &'a Access<'a>) -> Self {
+    pub fn new(program: &'a Program<ElementSpec>, access: &'a Access<'a>) -> Self {
         let mut names = Names::default();
         names.reserve(&WORDS);
         names.reserve(&TAKEN);
-        names.reserve(&derivatives.iter().map(|(name, _)| name.as_str()).collect::<Vec<_>>());
+        let derivatives = Derivative::names(&program.kernel.spec);
+        names.reserve(&derivatives.iter().map(String::as_str).collect::<Vec<_>>());
         if program.kernel.spec.direction.is_some() {
             names.reserve(&[DIRECTION]);
         }

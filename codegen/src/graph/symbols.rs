@@ -129,12 +129,12 @@ impl Graph {
     }
 
     /// An expression and what it is made of, each once.
-    pub(super) fn reachable(&self, expr: ExprId, next: impl Fn(&Self, ExprId) -> Vec<ExprId>) -> Vec<ExprId> {
+    pub(crate) fn reachable(&self, expr: ExprId, next: impl Fn(&Self, ExprId) -> Vec<ExprId>) -> Vec<ExprId> {
         self.reachable_from(vec![expr], next)
     }
 
     /// The same of several.
-    pub(super) fn reachable_from(
+    pub(crate) fn reachable_from(
         &self,
         mut open: Vec<ExprId>,
         next: impl Fn(&Self, ExprId) -> Vec<ExprId>,

@@ -3,14 +3,14 @@
 use rustc_hash::FxHashSet;
 
 use super::basis::Basis;
-use super::element_outputs::{ElementKernels, ElementSpec, NODE_VALUE, NodeResult};
+use super::element_outputs::{ElementKernels, ElementSpec, NodeResult};
 use super::facet::FacetShape;
 use super::kernel::{FrameRule, Kernel, KernelSpec, Mode, Output, Value};
 use super::material::MATERIAL_INPUTS;
 use super::signature::{Differentiated, Input, Points, Returned, Role, Signature};
 use super::weight::{DOMAIN_RATIO, PLANE_REACH, WEIGHT_NUMBER, Weight};
 use crate::expr::AXES;
-use crate::graph::{ExprId, Graph, Op};
+use crate::graph::{ExprId, Op};
 use crate::structure::{Gradient, Hessian};
 
 /// Derivatives of a kernel by number of derivatives: a value with a Jacobian has no second ones.
@@ -61,7 +61,7 @@ impl ElementKernels {
 
     /// The kernels without the inputs that none of them reads.
     fn of_used(mut signature: Signature, mut kernels: Vec<Kernel<ElementSpec>>) -> Self {
-        let used: FxHashSet<String> = kernels.iter().flat_map(inputs_read).collect();
+        let used: FxHashSet<String> = kernels.iter().flat_map(symbols_read).collect();
         let is_used = |input: &Input| {
             input.role == Role::Variable || input.symbols.iter().any(|symbol| used.contains(symbol))
         };
@@ -74,22 +74,13 @@ impl ElementKernels {
     }
 }
 
-/// Names of the inputs that a kernel's results depend on.
-fn inputs_read(kernel: &Kernel<ElementSpec>) -> Vec<String> {
-    let graph = &kernel.graph;
-    let mut open: Vec<ExprId> = kernel.values.iter().flat_map(|value| value.components.clone()).collect();
-    open.extend(kernel.node_values.iter().map(|(_, x)| *x));
-    let (mut seen, mut names) = (FxHashSet::default(), Vec::new());
-    while let Some(x) = open.pop() {
-        if !seen.insert(x) {
-            continue;
-        }
-        open.extend(graph.dependencies(x));
-        if let Op::Symbol(symbol) = graph.op(x) {
-            names.push(graph.symbol_data(symbol).name.clone());
-        }
-    }
-    names
+/// Names of the symbols that a kernel's results depend on.
+fn symbols_read(kernel: &Kernel<ElementSpec>) -> Vec<String> {
+    let name = |x: ExprId| match kernel.graph.op(x) {
+        Op::Symbol(symbol) => Some(kernel.graph.symbol_data(symbol).name.clone()),
+        _ => None,
+    };
+    kernel.reachable().into_iter().filter_map(name).collect()
 }
 
 /// The signature of a fit's kernel; of its inputs those that there are with its basis, weight and frame.
@@ -204,35 +195,12 @@ fn as_element(mut kernel: Kernel, signature: &Signature) -> Kernel<ElementSpec> 
         let own = (0..3).flat_map(|row| form.own[row][..=row].to_vec()).enumerate();
         of_nodes.extend(own.map(|(place, x)| (NodeResult::Own { place }, x)));
     }
-    with_signature(signature, mode, kernel.graph, values, of_nodes)
+    let (signature, quantities) = (signature.clone(), Vec::new());
+    let (node_results, of_nodes) = of_nodes.into_iter().unzip();
+    let spec = ElementSpec { signature, mode, quantities, node_results, direction: None };
+    Kernel::of_element(spec, kernel.graph, values, of_nodes)
 }
 
 fn derivative(name: &str, components: Vec<ExprId>) -> Value {
     Value { name: name.to_owned().into(), doc: "".into(), is_array: true, components }
-}
-
-fn with_signature(
-    signature: &Signature,
-    mode: Mode,
-    graph: Graph,
-    values: Vec<Value>,
-    of_nodes: Vec<(NodeResult, ExprId)>,
-) -> Kernel<ElementSpec> {
-    let (node_results, of_nodes): (Vec<NodeResult>, Vec<ExprId>) = of_nodes.into_iter().unzip();
-    Kernel {
-        spec: ElementSpec {
-            signature: signature.clone(),
-            mode,
-            quantities: Vec::new(),
-            node_results,
-            direction: None,
-        },
-        graph,
-        values,
-        gradients: Vec::new(),
-        hessians: Vec::new(),
-        node_values: of_nodes.into_iter().map(|x| (NODE_VALUE, x)).collect(),
-        combinations: Vec::new(),
-        equations: Vec::new(),
-    }
 }

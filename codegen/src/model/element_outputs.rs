@@ -44,7 +44,7 @@ pub enum NodeResult {
 }
 
 /// Name of a node's values in the kernel, which [`ElementSpec::node_results`] tell apart.
-pub(super) const NODE_VALUE: &str = "of_node";
+const NODE_VALUE: &str = "of_node";
 
 /// The kernels of an element as expressions.
 #[derive(Clone, Debug)]
@@ -359,12 +359,7 @@ fn check_output(output: &str, x: Expr<'_>, declared: &[&str]) -> Result<(), Elem
         return Err(ElementError::Scope { output: output.to_owned(), scope: x.scope() });
     }
     let graph = x.sheet().graph();
-    let (mut seen, mut open) = (rustc_hash::FxHashSet::default(), vec![x.id()]);
-    while let Some(expr) = open.pop() {
-        if !seen.insert(expr) {
-            continue;
-        }
-        open.extend(graph.dependencies(expr));
+    for expr in graph.reachable(x.id(), Graph::dependencies) {
         if is_never_finite(&graph, expr, x.id()) {
             return Err(ElementError::NeverFinite { output: output.to_owned() });
         }
@@ -422,22 +417,43 @@ fn differentiates_figure(x: Expr<'_>) -> bool {
 }
 
 impl Kernel<ElementSpec> {
+    /// A kernel of these values, and of these of each node, which `spec` says what they are.
+    pub(super) fn of_element(
+        spec: ElementSpec,
+        graph: Graph,
+        values: Vec<Value>,
+        of_nodes: Vec<ExprId>,
+    ) -> Self {
+        Self {
+            spec,
+            graph,
+            values,
+            gradients: Vec::new(),
+            hessians: Vec::new(),
+            node_values: of_nodes.into_iter().map(|x| (NODE_VALUE, x)).collect(),
+            combinations: Vec::new(),
+            equations: Vec::new(),
+        }
+    }
+
+    /// The results and what they are made of, each once.
+    pub(super) fn reachable(&self) -> Vec<ExprId> {
+        let mut results: Vec<ExprId> =
+            self.values.iter().flat_map(|value| value.components.clone()).collect();
+        results.extend(self.node_values.iter().map(|(_, x)| *x));
+        self.graph.reachable_from(results, Graph::dependencies)
+    }
+
     /// Roots among what the results are made of, but for those that are known.
     pub(crate) fn roots(&self) -> Vec<RootId> {
-        let (mut seen, mut roots) = (rustc_hash::FxHashSet::default(), Vec::new());
-        let mut open: Vec<ExprId> = self.values.iter().flat_map(|value| value.components.clone()).collect();
-        open.extend(self.node_values.iter().map(|(_, x)| *x));
-        while let Some(expr) = open.pop() {
-            if !seen.insert(expr) {
-                continue;
-            }
+        let mut roots = Vec::new();
+        for expr in self.reachable() {
             if let Op::RootValue(root, _) | Op::RootFigure(root, _) = self.graph.op(expr)
                 && !self.graph.root(root).is_known()
                 && !roots.contains(&root)
             {
                 roots.push(root);
             }
-            open.extend(self.graph.dependencies(expr));
         }
         roots
     }
@@ -458,21 +474,11 @@ impl ElementKernels {
             model.finish(name)
         });
         let Finished { signature, quantities, by_mode, product } = finished?;
-        let kernel = |Results { mode, values, node_values }, direction, graph: Graph| Kernel {
-            spec: ElementSpec {
-                signature: signature.clone(),
-                mode,
-                quantities: quantities.clone(),
-                node_results: node_values.iter().map(|(result, _)| result.clone()).collect(),
-                direction,
-            },
-            graph,
-            values,
-            gradients: Vec::new(),
-            hessians: Vec::new(),
-            node_values: node_values.into_iter().map(|(_, x)| (NODE_VALUE, x)).collect(),
-            combinations: Vec::new(),
-            equations: Vec::new(),
+        let kernel = |Results { mode, values, node_values }, direction, graph: Graph| {
+            let (signature, quantities) = (signature.clone(), quantities.clone());
+            let (node_results, of_nodes) = node_values.into_iter().unzip();
+            let spec = ElementSpec { signature, mode, quantities, node_results, direction };
+            Kernel::of_element(spec, graph, values, of_nodes)
         };
         let (product, graph) = match product {
             Some(Product { results, direction, before }) => {

@@ -23,7 +23,7 @@
 use std::collections::BTreeMap;
 use std::collections::btree_map::Entry;
 
-use rustc_hash::{FxHashMap, FxHashSet};
+use rustc_hash::FxHashMap;
 
 use super::definition::Intermediate;
 use super::expansion::{ratio_to_norm, slope_of_norm, square_of_norm};
@@ -296,15 +296,9 @@ impl<'g> Group<'g> {
 
 /// The sums over the nodes that are part of an expression, definitions not entered, in ascending order.
 pub(crate) fn sums_in(expr: Expr<'_>) -> Vec<Expr<'_>> {
-    let (graph, mut sums) = (expr.sheet().graph(), Vec::new());
-    let (mut seen, mut open) = (FxHashSet::default(), vec![expr.id()]);
-    while let Some(x) = open.pop() {
-        if seen.insert(x) {
-            sums.extend(matches!(graph.op(x), Op::Sum(_)).then_some(x));
-            open.extend(graph.operands(x));
-        }
-    }
-    drop(graph);
+    let graph = expr.sheet().graph();
+    let mut sums = graph.reachable(expr.id(), Graph::operands);
+    sums.retain(|&x| matches!(graph.op(x), Op::Sum(_)));
     sums.sort_unstable();
     expr.sheet().exprs(sums)
 }

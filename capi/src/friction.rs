@@ -138,7 +138,7 @@ pub unsafe extern "C" fn dc_augment(
         let contacts = &mut state.interface;
         threads::run(|| contacts.augment(&law, moves))?;
         if law.friction.is_some() {
-            state.end_evaluation();
+            state.evaluated = false;
         }
         Ok(())
     })
@@ -168,7 +168,7 @@ pub unsafe extern "C" fn dc_slip_errors(
 pub extern "C" fn dc_roll_back(interface: *mut dc_interface) -> dc_status {
     call(interface, |state| {
         state.interface.roll_back();
-        state.end_evaluation();
+        state.evaluated = false;
         Ok(())
     })
 }
@@ -206,7 +206,7 @@ pub unsafe extern "C" fn dc_accept(
         let accepted = Accepted { stuck_count, sliding_count, unanchored_count, dropped_count, dissipated };
         unsafe { accepted.write(law, slave_count, |law| contacts.accept(law))? };
         if state.interface.has_history() {
-            state.end_evaluation();
+            state.evaluated = false;
         }
         Ok(())
     })
@@ -299,7 +299,7 @@ pub unsafe extern "C" fn dc_set_history(
     call(interface, |state| {
         let numbers = unsafe { input("history", history, count)? };
         state.interface.set_history(numbers)?;
-        state.end_evaluation();
+        state.evaluated = false;
         Ok(())
     })
 }

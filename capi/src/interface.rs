@@ -72,11 +72,6 @@ impl State {
         Err(Failure::new(DC_NOT_EVALUATED, message))
     }
 
-    /// What was evaluated is no longer of the state.
-    pub fn end_evaluation(&mut self) {
-        self.evaluated = false;
-    }
-
     /// The place of a slave.
     pub fn slave(&self, slave: usize) -> Result<usize, Failure> {
         let count = self.interface.slaves().len();

@@ -259,6 +259,12 @@ pub unsafe trait Versioned: Copy {
     const FIRST: usize;
 }
 
+/// A structure of zeros, NULL where it has pointers.
+pub const fn zeros<T: Versioned>() -> T {
+    // SAFETY: any bits are a `T`.
+    unsafe { std::mem::zeroed() }
+}
+
 #[cold]
 fn known_size<T: Versioned>(size: usize) -> Result<usize, Failure> {
     if (T::FIRST..=size_of::<T>()).contains(&size) && size.is_multiple_of(align_of::<T>()) {

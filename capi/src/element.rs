@@ -8,7 +8,7 @@ use runtime::{
 };
 
 use crate::border::{self, Plain, Versioned, disjoint, input, read_sized, reserved, roomy, target, wanted};
-use crate::choice::{self, dc_basis, dc_frame, dc_weight};
+use crate::choice::{self, dc_basis, dc_frame};
 use crate::law::{self, dc_law};
 use crate::outcome::{self, dc_outcome};
 use crate::status::{DC_BAD_OPTION, DC_BAD_SIZE, Failure, dc_status};
@@ -83,24 +83,12 @@ impl dc_point {
 }
 
 impl dc_element {
-    const DEFAULTS: Self = Self {
-        size: size_of::<Self>(),
-        basis: 0,
-        weight: dc_weight::DC_CUBIC as i32,
-        frame: dc_frame::DC_CO_MOVING as i32,
-        reserved: 0,
-        support_radius: 0.0,
-        outward: [0.0; 3],
-        t1: [0.0; 3],
-        t2: [0.0; 3],
-        normal: [0.0; 3],
-    };
-
     /// # Safety
     /// As [`read_sized`].
     #[inline]
     pub unsafe fn read(element: *const Self) -> Result<Self, Failure> {
-        let element = unsafe { read_sized(element, || Self::DEFAULTS)? };
+        // A field that is 0 has its default.
+        let element = unsafe { read_sized(element, border::zeros)? };
         reserved("dc_element", element.reserved)?;
         Ok(element)
     }

@@ -147,33 +147,7 @@ unsafe impl Versioned for dc_law {
 
 impl dc_law {
     /// What fields are that a caller does not know.
-    pub(crate) const NONE: Self = Self {
-        size: size_of::<Self>(),
-        penalty: 0.0,
-        multipliers: std::ptr::null(),
-        multiplier_count: 0,
-        tangent: 0,
-        reserved: 0,
-        friction: 0.0,
-        tangential_stiffness: 0.0,
-        shear_limit: 0.0,
-        coefficient: 0,
-        augmented: 0,
-        normal_gaps: std::ptr::null(),
-        normal_pressures: std::ptr::null(),
-        normal_count: 0,
-        duration: 0.0,
-        friction_in_motion: 0.0,
-        friction_decay: 0.0,
-        friction_pressures: std::ptr::null(),
-        friction_pressure_count: 0,
-        friction_rates: std::ptr::null(),
-        friction_rate_count: 0,
-        friction_table: std::ptr::null(),
-        normal_law: None,
-        friction_law: None,
-        context: std::ptr::null_mut(),
-    };
+    pub(crate) const NONE: Self = Self { size: size_of::<Self>(), ..border::zeros() };
 
     /// The structure itself.
     ///

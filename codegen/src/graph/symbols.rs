@@ -32,27 +32,16 @@ impl Graph {
 
     /// The same, where some expressions may be divided by.
     pub(super) fn is_finite_over(&self, definition: ExprId, is_divisor: impl Fn(ExprId) -> bool) -> bool {
-        let (mut seen, mut open) = (FxHashSet::default(), vec![definition]);
-        while let Some(x) = open.pop() {
-            if !seen.insert(x) {
-                continue;
-            }
-            let is_finite = match self.op(x) {
-                Op::Constant(bits) => f64::from_bits(bits).is_finite(),
-                Op::Symbol(symbol) => self.symbol_data(symbol).is_finite,
-                Op::Power(_, exponent) => exponent > 0,
-                Op::Div(_, divisor) => is_divisor(divisor),
-                Op::Function(function, _) => !matches!(function, Function::Ln | Function::Cbrt),
-                Op::Add(..) | Op::Neg(_) | Op::Mul(..) | Op::Polynomial(..) | Op::Hypot(..) => true,
-                Op::Select { .. } | Op::Sum(_) | Op::DivOrZero(..) => true,
-                _ => false,
-            };
-            if !is_finite {
-                return false;
-            }
-            open.extend(self.operands(x));
-        }
-        true
+        self.reachable(definition, Self::operands).into_iter().all(|x| match self.op(x) {
+            Op::Constant(bits) => f64::from_bits(bits).is_finite(),
+            Op::Symbol(symbol) => self.symbol_data(symbol).is_finite,
+            Op::Power(_, exponent) => exponent > 0,
+            Op::Div(_, divisor) => is_divisor(divisor),
+            Op::Function(function, _) => !matches!(function, Function::Ln | Function::Cbrt),
+            Op::Add(..) | Op::Neg(_) | Op::Mul(..) | Op::Polynomial(..) | Op::Hypot(..) => true,
+            Op::Select { .. } | Op::Sum(_) | Op::DivOrZero(..) => true,
+            _ => false,
+        })
     }
 
     /// Whether there is an input symbol with this name.

@@ -162,31 +162,11 @@ impl<'a> Writer<'a> {
                 let (x, y) = (self.receiver(x), self.used(y));
                 (quote!(#x.div_or_zero(#y)), Strength::Atom)
             }
-            Op::Sqrt(x) => {
-                self.counts.functions += 1;
-                let x = self.receiver(x);
-                (quote!(#x.sqrt()), Strength::Atom)
-            }
-            Op::Exp(x) => {
-                self.counts.functions += 1;
-                let x = self.receiver(x);
-                (quote!(#x.exp()), Strength::Atom)
-            }
-            Op::Function(function, x) => {
-                self.counts.functions += 1;
-                let (x, name) = (self.receiver(x), format_ident!("{}", function.name()));
-                (quote!(#x.#name()), Strength::Atom)
-            }
-            Op::Atan2(y, x) => {
-                self.counts.functions += 1;
-                let (y, x) = (self.receiver(y), self.used(x));
-                (quote!(#y.atan2(#x)), Strength::Atom)
-            }
-            Op::RealPower(x, y) => {
-                self.counts.functions += 1;
-                let (x, y) = (self.receiver(x), self.used(y));
-                (quote!(#x.powf(#y)), Strength::Atom)
-            }
+            Op::Sqrt(x) => self.function("sqrt", x, None),
+            Op::Exp(x) => self.function("exp", x, None),
+            Op::Function(function, x) => self.function(function.name(), x, None),
+            Op::Atan2(y, x) => self.function("atan2", y, Some(x)),
+            Op::RealPower(x, y) => self.function("powf", x, Some(y)),
             Op::Select { x, y, then, otherwise } => {
                 self.counts.selections += 1;
                 let [x, y, then, otherwise] = [x, y, then, otherwise].map(|e| self.used(e));
@@ -195,6 +175,14 @@ impl<'a> Writer<'a> {
             }
             op => unreachable!("{op:?} is always bound"),
         }
+    }
+
+    /// A function of one number, or of two, as a method of the first.
+    fn function(&mut self, name: &str, x: ExprId, y: Option<ExprId>) -> (TokenStream, Strength) {
+        self.counts.functions += 1;
+        let (name, x) = (format_ident!("{name}"), self.receiver(x));
+        let y = y.map(|y| self.used(y));
+        (quote!(#x.#name(#y)), Strength::Atom)
     }
 
     fn addition(&mut self, sum: ExprId, x: ExprId, y: ExprId) -> (TokenStream, Strength) {

@@ -97,8 +97,9 @@ impl Fixed {
         // Each root counts once, as without points.
         counts += function.counts.iteration;
         let reads = head.reads(&mut function);
-        let point_reads = point_reads(&mut function, points);
-        let (table, number) = (table(points), points.rows.len());
+        let number = |k: usize| quote!(E::splat(POINTS[point][#k]));
+        let point_reads = reads_by_place(&mut function, &points.symbols, number);
+        let (table, count_of_points) = (table(points), points.rows.len());
         let zeros = head.arguments.iter().map(|(name, length)| {
             let name = format_ident!("{name}");
             quote!(for entry in 0..#length { #name[entry] = E::ZERO; })
@@ -115,7 +116,7 @@ impl Fixed {
                 #before
                 #(#zeros)*
                 #sums
-                for point in 0..#number {
+                for point in 0..#count_of_points {
                     #(#point_reads)*
                     #body
                     #(#outputs)*
@@ -242,7 +243,7 @@ fn table(points: &Points) -> TokenStream {
 }
 
 /// The symbols that a function uses, by name.
-pub(super) fn symbols<S>(function: &FunctionWriter<'_, S>) -> FxHashMap<String, ExprId> {
+fn symbols<S>(function: &FunctionWriter<'_, S>) -> FxHashMap<String, ExprId> {
     let graph = &function.program.kernel.graph;
     (0..graph.len())
         .map(|k| ExprId(k as u32))
@@ -254,13 +255,17 @@ pub(super) fn symbols<S>(function: &FunctionWriter<'_, S>) -> FxHashMap<String, 
         .collect()
 }
 
-/// `let`s for the numbers of a point that are used.
-fn point_reads<S>(function: &mut FunctionWriter<'_, S>, points: &Points) -> Vec<TokenStream> {
+/// `let`s for those of some symbols that are used, from their places.
+pub(super) fn reads_by_place<S>(
+    function: &mut FunctionWriter<'_, S>,
+    names: &[String],
+    number: impl Fn(usize) -> TokenStream,
+) -> Vec<TokenStream> {
     let symbols = symbols(function);
-    let used = points.symbols.iter().enumerate().filter_map(|(k, name)| Some((k, *symbols.get(name)?)));
-    used.map(|(k, expr)| {
+    let used = names.iter().enumerate().filter_map(|(k, name)| Some((number(k), *symbols.get(name)?)));
+    used.map(|(number, expr)| {
         let name = function.writer.ident(expr);
-        quote!(let #name = E::splat(POINTS[point][#k]);)
+        quote!(let #name = #number;)
     })
     .collect()
 }

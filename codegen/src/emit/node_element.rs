@@ -7,7 +7,7 @@ use super::count::OpCounts;
 use super::derivatives::DIRECTION;
 use super::element_kernel::{EmittedElementKernel, documentation, function_name};
 use super::expression::Lanes;
-use super::fixed::{self, nested, reads_and_count};
+use super::fixed::{self, nested, reads_and_count, reads_by_place};
 use super::function::FunctionWriter;
 use super::node_loop::{NodeArray, Outputs};
 use crate::model::{DirectionSymbols, ElementSpec, Input, NodeResult, Signature, Value};
@@ -106,7 +106,8 @@ pub(super) fn emit_node_kernel(program: &Program<ElementSpec>, arguments: &[Stri
     function.counts.element += function.writer.take_counts();
     let mut reads = reads_and_count(&mut function, &signature.inputs);
     if let Some(direction) = direction {
-        reads.extend(direction_reads(&mut function, direction));
+        let vector = format_ident!("{DIRECTION}");
+        reads.extend(reads_by_place(&mut function, &direction.element, |k| quote!(#vector[#k])));
     }
     let [per_node, per_pair] = scratch.counts(signature.node_variables());
     let mut emitted = EmittedElementKernel {
@@ -187,20 +188,6 @@ fn direction_array(symbols: &DirectionSymbols) -> NodeArray<'_> {
     };
     let names = symbols.node.iter().map(String::as_str).collect();
     NodeArray { name: DIRECTION, symbols: names, entry: Some(entry), pattern: Box::new(pattern) }
-}
-
-/// `let`s for the element's own entries of the vector that are used.
-fn direction_reads(
-    function: &mut FunctionWriter<'_, ElementSpec>,
-    symbols: &DirectionSymbols,
-) -> Vec<TokenStream> {
-    let (direction, known) = (format_ident!("{DIRECTION}"), fixed::symbols(function));
-    let used = symbols.element.iter().enumerate().filter_map(|(k, name)| Some((k, *known.get(name)?)));
-    used.map(|(k, expr)| {
-        let name = function.writer.ident(expr);
-        quote!(let #name = #direction[#k];)
-    })
-    .collect()
 }
 
 /// Results of a loop.

@@ -88,7 +88,8 @@ pub struct NodeLoop {
 }
 
 impl NodeLoop {
-    fn is_empty(&self) -> bool {
+    /// Whether nothing comes of it.
+    pub(crate) fn is_empty(&self) -> bool {
         self.sums.is_empty() && self.stores.is_empty() && self.outputs.is_empty()
     }
 }

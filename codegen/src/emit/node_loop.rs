@@ -36,7 +36,7 @@ impl<S> FunctionWriter<'_, S> {
         let element = self.statements(&phase.statements);
         self.counts.element += self.writer.take_counts();
         let nodes = &phase.nodes;
-        if nodes.sums.is_empty() && nodes.stores.is_empty() && nodes.outputs.is_empty() {
+        if nodes.is_empty() {
             return element;
         }
 

@@ -10,8 +10,8 @@ use super::super::derivatives::DIRECTION;
 use super::super::element_kernel::function_name;
 use super::super::node_element::Scratch;
 use super::nodes::{
-    Width, derivative_place, is_empty, node_count, node_index, node_loads, node_reads, node_stores, results,
-    terms, writer,
+    Width, derivative_place, node_count, node_index, node_loads, node_reads, node_stores, results, terms,
+    writer,
 };
 use super::writer::{Access, Writer};
 use crate::graph::{ExprId, NODE_COUNT};
@@ -183,7 +183,7 @@ impl<'a> LanesWriter<'a> {
     }
 
     fn node_loop(&mut self, nodes: &NodeLoop, scratch: Scratch) {
-        if is_empty(nodes) {
+        if nodes.is_empty() {
             return;
         }
         let sums: Vec<usize> = nodes.sums.iter().map(|&sum| self.share(sum)).collect();

@@ -187,12 +187,8 @@ pub(super) fn node_index(writer: &mut Writer<'_>, nodes: &NodeLoop) -> Option<(E
     Some((expr, format!("        const double {} = (double)node;\n", writer.name(expr))))
 }
 
-pub(super) fn is_empty(nodes: &NodeLoop) -> bool {
-    nodes.sums.is_empty() && nodes.stores.is_empty() && nodes.outputs.is_empty()
-}
-
 fn node_loop(writer: &mut Writer<'_>, nodes: &NodeLoop, scratch: Scratch) -> String {
-    if is_empty(nodes) {
+    if nodes.is_empty() {
         return String::new();
     }
     let (indent, mut text) = ("        ", String::new());

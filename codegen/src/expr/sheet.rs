@@ -3,7 +3,7 @@
 use std::borrow::Borrow;
 use std::cell::{Ref, RefCell};
 
-use super::small::{MOST_BY_CRAMER, inverse, solve};
+use super::small::{MOST_BY_CRAMER, solve};
 use super::{AXES, Expr, Vec3, Vector, ids};
 use crate::graph::{ExprId, Graph, Iteration, Op, RootFigure, RootId, Scope, SymbolId};
 
@@ -163,12 +163,9 @@ impl Sheet {
         self.exprs(self.edit(|g| g.solve_general(name, &rows, &ids(right_hand_side)).1))
     }
 
-    /// The inverse of a matrix of the element, by rows; of more than three a column at a time, each by a search for pivots.
+    /// The inverse of a matrix of the element, by rows: a column at a time, each as by [`solve_general`](Self::solve_general).
     pub(crate) fn inverse_general<'g>(&'g self, name: &str, matrix: &[Vec<Expr<'g>>]) -> Vec<Vec<Expr<'g>>> {
         let size = matrix.len();
-        if size <= MOST_BY_CRAMER {
-            return inverse(matrix);
-        }
         let unit = |k: usize| (0..size).map(move |row| if row == k { self.one() } else { self.zero() });
         let columns: Vec<Vec<Expr<'g>>> =
             (0..size).map(|k| self.solve_general(name, matrix, &unit(k).collect::<Vec<_>>())).collect();

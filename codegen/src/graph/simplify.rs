@@ -312,27 +312,23 @@ impl Graph {
 
     /// A node expression at the pair's row; expressions of element scope stay what they are.
     pub fn at_row(&mut self, x: ExprId) -> ExprId {
-        match self.op(x) {
-            _ if self.scope(x) != Scope::Node => x,
-            // The sign is free where the value is used.
-            Op::Neg(inner) => {
-                let inner = self.at_row(inner);
-                self.neg(inner)
-            }
-            _ => self.intern(Op::Row(x)),
-        }
+        self.at_node(x, Op::Row)
     }
 
     /// A node expression at the pair's column; expressions of element scope stay what they are.
     pub fn at_column(&mut self, x: ExprId) -> ExprId {
+        self.at_node(x, Op::Column)
+    }
+
+    fn at_node(&mut self, x: ExprId, of_pair: fn(ExprId) -> Op) -> ExprId {
         match self.op(x) {
             _ if self.scope(x) != Scope::Node => x,
             // The sign is free where the value is used.
             Op::Neg(inner) => {
-                let inner = self.at_column(inner);
+                let inner = self.at_node(inner, of_pair);
                 self.neg(inner)
             }
-            _ => self.intern(Op::Column(x)),
+            _ => self.intern(of_pair(x)),
         }
     }
 

@@ -327,7 +327,7 @@ impl<'a, S: Clone> Scheduler<'a, S> {
         // What another piece of code uses needs a name.
         let mut external: FxHashSet<ExprId> = FxHashSet::default();
         let node_results = self.node_results().into_iter().flat_map(|(_, values)| values);
-        external.extend(node_results.filter(|&x| is_element(x)).map(|x| self.without_sign(x)));
+        external.extend(node_results.filter(|&x| is_element(x)).map(|x| self.graph.without_sign(x)));
         for &x in &self.reachable {
             for operand in self.graph.dependencies(x) {
                 let other_piece = !is_element(x)
@@ -335,14 +335,14 @@ impl<'a, S: Clone> Scheduler<'a, S> {
                     || self.levels[&operand] != self.levels[&x];
                 if is_element(operand) && other_piece {
                     // A changed sign is written where it is used.
-                    external.insert(self.without_sign(operand));
+                    external.insert(self.graph.without_sign(operand));
                 }
             }
         }
         let own: FxHashSet<ExprId> = of_combinations.iter().copied().collect();
         let of_own = of_combinations.iter().flat_map(|&x| self.graph.operands(x));
         let used = of_own.chain(combinations.concat()).filter(|x| !own.contains(x));
-        external.extend(used.map(|x| self.without_sign(x)));
+        external.extend(used.map(|x| self.graph.without_sign(x)));
         let mut roots = FxHashMap::default();
         let results = self.element_results();
         for (phase, members) in phases.iter_mut().zip(&members) {
@@ -364,14 +364,6 @@ impl<'a, S: Clone> Scheduler<'a, S> {
             roots.insert(root, statements);
         }
         roots
-    }
-
-    /// x of an expression −x, else the expression.
-    fn without_sign(&self, x: ExprId) -> ExprId {
-        match self.graph.op(x) {
-            Op::Neg(inner) => inner,
-            _ => x,
-        }
     }
 
     /// Expressions reachable from `roots` through members, operands first.

@@ -29,14 +29,11 @@ impl Graph {
                 open.extend(self.dependencies(x));
             }
         }
-        let positive = |x: ExprId| match self.op(x) {
-            Op::Neg(inner) => inner,
-            _ => x,
-        };
         // Uses of a product, and how many of them are additions that take no other product in.
         let (mut uses, mut fused) = (vec![0_u32; self.len()], vec![0_u32; self.len()]);
         for &x in reachable.iter().filter(|&&x| !matches!(self.op(x), Op::Neg(_))) {
-            let operands: Vec<ExprId> = self.dependencies(x).into_iter().map(positive).collect();
+            let operands: Vec<ExprId> =
+                self.dependencies(x).into_iter().map(|y| self.without_sign(y)).collect();
             operands.iter().for_each(|&y| uses[y.index()] += 1);
             if let (Op::Add(..), Some(&product)) =
                 (self.op(x), operands.iter().filter(|&&y| matches!(self.op(y), Op::Mul(..))).max())

@@ -77,6 +77,14 @@ impl Graph {
         (coefficient, factors)
     }
 
+    /// x of an expression −x, else the expression.
+    pub(crate) fn without_sign(&self, x: ExprId) -> ExprId {
+        match self.op(x) {
+            Op::Neg(inner) => inner,
+            _ => x,
+        }
+    }
+
     /// x without its numerical coefficient, if that expression exists already.
     pub(super) fn core(&self, x: ExprId) -> Option<ExprId> {
         match self.op(x) {

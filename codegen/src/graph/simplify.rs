@@ -344,11 +344,7 @@ impl Graph {
     }
 
     fn is_product(&self, x: ExprId) -> bool {
-        match self.op(x) {
-            Op::Mul(..) => true,
-            Op::Neg(inner) => matches!(self.op(inner), Op::Mul(..)),
-            _ => false,
-        }
+        matches!(self.op(self.without_sign(x)), Op::Mul(..))
     }
 
     /// Sum of several terms, added from the left.

@@ -35,11 +35,7 @@ impl<S: Clone> Scheduler<'_, S> {
         let mut statements = Vec::new();
         for &x in members {
             match self.graph.op(x) {
-                Op::Constant(_) | Op::Symbol(_) => {
-                    layout.bound.insert(x);
-                    continue;
-                }
-                Op::Sum(_) => {
+                Op::Constant(_) | Op::Symbol(_) | Op::Sum(_) => {
                     layout.bound.insert(x);
                     continue;
                 }
@@ -111,10 +107,7 @@ impl<S: Clone> Scheduler<'_, S> {
     ) {
         let inside: FxHashSet<ExprId> = members.iter().copied().collect();
         let is_product = |x: ExprId| {
-            let x = match self.graph.op(x) {
-                Op::Neg(inner) => inner,
-                _ => x,
-            };
+            let x = self.graph.without_sign(x);
             matches!(self.graph.op(x), Op::Mul(..)) && inside.contains(&x) && !external.contains(&x)
         };
         let only_added = |x: ExprId| {
@@ -131,15 +124,14 @@ impl<S: Clone> Scheduler<'_, S> {
                 })
             })
         };
-        let product_of = |x: ExprId| self.without_sign(x);
         for &sum in members {
             let Op::Add(x, y) = self.graph.op(sum) else { continue };
             let candidates: Vec<ExprId> = [x, y]
                 .into_iter()
-                .filter(|&operand| is_product(operand) && only_added(product_of(operand)))
+                .filter(|&operand| is_product(operand) && only_added(self.graph.without_sign(operand)))
                 .collect();
             // With two products to choose from, the one with more users, then the later one, is fused.
-            let uses = |x: ExprId| users.get(&product_of(x)).map_or(0, Vec::len);
+            let uses = |x: ExprId| users.get(&self.graph.without_sign(x)).map_or(0, Vec::len);
             if let Some(&best) = candidates.iter().max_by_key(|&&x| (uses(x), x)) {
                 layout.fused.insert(sum, best);
             }

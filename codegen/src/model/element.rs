@@ -74,7 +74,7 @@ impl<'g> ElementModel<'g> {
     /// order of their declaration, the last dimension fastest.
     #[must_use]
     pub fn variable<Q: Quantity<'g>>(&self, name: &str) -> Q {
-        self.input(name, Role::Variable)
+        self.input(name, Role::Variable, Scope::Element)
     }
 
     /// An input of which each node has its own and that derivatives are taken by, such as a position. The number of nodes is open
@@ -82,19 +82,19 @@ impl<'g> ElementModel<'g> {
     /// numbered after those of the element, node by node.
     #[must_use]
     pub fn node_variable<Q: Quantity<'g>>(&self, name: &str) -> Q {
-        self.node_input(name, Role::Variable)
+        self.input(name, Role::Variable, Scope::Node)
     }
 
     /// An input of which each node has its own and that derivatives are not taken by, such as a radius.
     #[must_use]
     pub fn node_parameter<Q: Quantity<'g>>(&self, name: &str) -> Q {
-        self.node_input(name, Role::Parameter)
+        self.input(name, Role::Parameter, Scope::Node)
     }
 
     /// An input that derivatives are not taken by: a material constant, reference positions, a state before.
     #[must_use]
     pub fn parameter<Q: Quantity<'g>>(&self, name: &str) -> Q {
-        self.input(name, Role::Parameter)
+        self.input(name, Role::Parameter, Scope::Element)
     }
 
     /// Several numbers that derivatives are not taken by.
@@ -263,29 +263,16 @@ impl<'g> ElementModel<'g> {
         self.product.set(true);
     }
 
-    fn input<Q: Quantity<'g>>(&self, name: &str, role: Role) -> Q {
-        let (quantity, symbols) = self.declared(name, Scope::Element);
-        self.add_field(
-            &self.inputs,
-            Input { name: name.to_owned(), doc: String::new(), role, dimensions: Q::dimensions(), symbols },
-        );
-        quantity
-    }
-
-    fn node_input<Q: Quantity<'g>>(&self, name: &str, role: Role) -> Q {
-        let (quantity, symbols) = self.declared(name, Scope::Node);
-        self.add_field(
-            &self.nodes,
-            Input { name: name.to_owned(), doc: String::new(), role, dimensions: Q::dimensions(), symbols },
-        );
-        quantity
-    }
-
-    fn add_field(&self, fields: &RefCell<Vec<Input>>, input: Input) {
-        if fields.borrow().iter().any(|other| other.name == input.name) {
-            self.fail(ElementError::Duplicate { name: input.name.clone() });
+    /// An input of the element, or of each node.
+    fn input<Q: Quantity<'g>>(&self, name: &str, role: Role, scope: Scope) -> Q {
+        let (quantity, symbols) = self.declared(name, scope);
+        let mut fields = if scope == Scope::Node { &self.nodes } else { &self.inputs }.borrow_mut();
+        if fields.iter().any(|other| other.name == name) {
+            self.fail(ElementError::Duplicate { name: name.to_owned() });
         }
-        fields.borrow_mut().push(input);
+        let (name, doc, dimensions) = (name.to_owned(), String::new(), Q::dimensions());
+        fields.push(Input { name, doc, role, dimensions, symbols });
+        quantity
     }
 
     /// A quantity of new symbols, and their names.

@@ -252,10 +252,12 @@ impl Results {
         with_hessian: bool,
     ) -> Result<(), ElementError> {
         let name = &returned.name;
-        let of_entries: Vec<Derivatives<'g>> = entries
-            .iter()
-            .map(|&entry| variables.derivatives(name, entry, with_hessian))
-            .collect::<Result<_, _>>()?;
+        let Variables { sheet, symbols, vectors, .. } = variables;
+        if symbols.is_empty() && !entries.is_empty() {
+            return Err(ElementError::NoVariables { output: name.clone() });
+        }
+        let derivatives = |&entry: &Expr<'g>| total_derivatives(sheet, entry, symbols, vectors, with_hessian);
+        let of_entries: Vec<Derivatives<'g>> = entries.iter().map(derivatives).collect();
         if !of_entries.is_empty() && of_entries.iter().all(|of| of.gradient.iter().all(|x| x.is_zero())) {
             return Err(ElementError::Constant { output: name.clone() });
         }
@@ -338,18 +340,6 @@ impl<'g> Variables<'g> {
         let of_node = of_node.map(|name| sheet.input_once(name, Scope::Node)).collect();
         let of_node = (!signature.nodes.is_empty()).then_some(of_node);
         Self { sheet, symbols, vectors, of_node }
-    }
-
-    fn derivatives(
-        &self,
-        output: &str,
-        x: Expr<'g>,
-        with_hessian: bool,
-    ) -> Result<Derivatives<'g>, ElementError> {
-        if self.symbols.is_empty() {
-            return Err(ElementError::NoVariables { output: output.to_owned() });
-        }
-        Ok(total_derivatives(self.sheet, x, &self.symbols, &self.vectors, with_hessian))
     }
 }
 

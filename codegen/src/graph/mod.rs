@@ -29,8 +29,8 @@ use crate::table::Table;
 pub use polynomial::Polynomial;
 pub use structured::{Iteration, Limits, Root, Solve, SymmetricSystem};
 
-macro_rules! id {
-    ($(#[$doc:meta])* $name:ident) => {
+macro_rules! ids {
+    ($($(#[$doc:meta])* $name:ident,)*) => {$(
         $(#[$doc])*
         #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
         pub struct $name(pub(crate) u32);
@@ -41,33 +41,23 @@ macro_rules! id {
                 self.0 as usize
             }
         }
-    };
+    )*};
 }
 
-id!(
+ids! {
     /// An expression of a [`Graph`].
-    ExprId
-);
-id!(
+    ExprId,
     /// A symbol of a [`Graph`].
-    SymbolId
-);
-id!(
+    SymbolId,
     /// A symmetric system of a [`Graph`].
-    SystemId
-);
-id!(
+    SystemId,
     /// A right-hand side solved with a system of a [`Graph`].
-    SolveId
-);
-id!(
+    SolveId,
     /// A polynomial of a [`Graph`].
-    PolynomialId
-);
-id!(
+    PolynomialId,
     /// A small system of equations of a [`Graph`], solved by iteration.
-    RootId
-);
+    RootId,
+}
 
 /// How many values an expression stands for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]

@@ -90,7 +90,7 @@ impl Fixed {
         let before = function.statements(&same);
         let mut counts = std::mem::take(&mut function.counts.element) + function.writer.take_counts();
         let body = function.statements(&varying);
-        let Sums { outputs, fields, count } = Sums::new(&mut function, head);
+        let (outputs, fields, count) = sums(&mut function, head);
         let of_point = std::mem::take(&mut function.counts.element) + function.writer.take_counts();
         let additions = OpCounts { additions: outputs.len(), ..OpCounts::default() };
         counts += (of_point + additions).times(points.rows.len());
@@ -153,38 +153,6 @@ impl Fixed {
     }
 }
 
-/// Additions of a point's part to the outputs.
-struct Sums {
-    outputs: Vec<TokenStream>,
-    /// Fields of the struct that is returned.
-    fields: Vec<TokenStream>,
-    /// Numbers in them.
-    count: usize,
-}
-
-impl Sums {
-    fn new(function: &mut FunctionWriter<'_, ElementSpec>, head: &Head<'_>) -> Self {
-        let (derivatives, values) = head.outputs(function.program);
-        let mut outputs = Vec::new();
-        let mut add = |to: TokenStream, x: ExprId| {
-            let entry = function.writer.used(x);
-            outputs.push(quote!(#to = #to + #entry;));
-        };
-        for value in derivatives {
-            let name = format_ident!("{}", value.name);
-            value.components.iter().enumerate().for_each(|(k, &x)| add(quote!(#name[#k]), x));
-        }
-        let mut count = 0_usize;
-        let fields = fields(&head.spec.signature, &values, |x| {
-            let to = quote!(sums[#count]);
-            count += 1;
-            add(to.clone(), x);
-            to
-        });
-        Self { outputs, fields, count }
-    }
-}
-
 impl<'a> Head<'a> {
     pub fn new(spec: &'a ElementSpec) -> Self {
         Self { spec, arguments: arguments_of(spec) }
@@ -213,6 +181,31 @@ impl<'a> Head<'a> {
         }
         all
     }
+}
+
+/// Additions of a point's part to the outputs, the fields of the struct that is returned, and the number of numbers in them.
+fn sums(
+    function: &mut FunctionWriter<'_, ElementSpec>,
+    head: &Head<'_>,
+) -> (Vec<TokenStream>, Vec<TokenStream>, usize) {
+    let (derivatives, values) = head.outputs(function.program);
+    let mut outputs = Vec::new();
+    let mut add = |to: TokenStream, x: ExprId| {
+        let entry = function.writer.used(x);
+        outputs.push(quote!(#to = #to + #entry;));
+    };
+    for value in derivatives {
+        let name = format_ident!("{}", value.name);
+        value.components.iter().enumerate().for_each(|(k, &x)| add(quote!(#name[#k]), x));
+    }
+    let mut count = 0_usize;
+    let fields = fields(&head.spec.signature, &values, |x| {
+        let to = quote!(sums[#count]);
+        count += 1;
+        add(to.clone(), x);
+        to
+    });
+    (outputs, fields, count)
 }
 
 /// Statements whose values are the same at all points, and the others.

@@ -134,12 +134,8 @@ fn inputs_and_scratch(inputs: &TokenStream, mode: Mode) -> TokenStream {
 
 /// `evaluate`, `evaluate_into`, `batch` and what they need.
 pub(super) fn runners(signature: &Signature, last: Mode) -> TokenStream {
-    let (single, batch, lanes) = (single(signature, last), batch(), lanes(signature, last));
-    quote! {
-        #single
-        #batch
-        #lanes
-    }
+    let pieces = [single(signature, last), batch(), lanes(signature, last)];
+    quote!(#(#pieces)*)
 }
 
 fn single(signature: &Signature, last: Mode) -> TokenStream {

@@ -181,14 +181,6 @@ pub fn choose<T: Copy>(name: &str, value: i32, choices: &[(i32, T)]) -> Result<T
     })
 }
 
-/// What the frame of a single element does that is not given.
-#[inline]
-pub fn element_frame(value: i32) -> Result<FrameDerivative, Failure> {
-    read(value).map_err(|_| {
-        Failure::new(DC_BAD_OPTION, format!("invalid-option: frame is {value}, which is none of 0, 1, 2"))
-    })
-}
-
 /// A flag: 0 or 1.
 pub fn flag(name: &str, value: i32) -> Result<bool, Failure> {
     choose(name, value, &[(0, false), (1, true)])

@@ -97,11 +97,15 @@ impl dc_element {
     #[inline]
     pub fn kind(&self) -> Result<Kind, Failure> {
         let basis = if self.basis == 0 { dc_basis::DC_QUADRATIC as i32 } else { self.basis };
-        let is_given = self.frame == dc_frame::DC_GIVEN as i32;
+        let frames = [
+            (dc_frame::DC_CO_MOVING as i32, Some(FrameDerivative::CoMoving)),
+            (dc_frame::DC_HELD as i32, Some(FrameDerivative::Held)),
+            (dc_frame::DC_GIVEN as i32, None),
+        ];
         Ok(Kind {
             basis: choice::read(basis)?,
             weight: choice::read(self.weight)?,
-            frame: if is_given { None } else { Some(choice::element_frame(self.frame)?) },
+            frame: choice::choose("frame", self.frame, &frames)?,
         })
     }
 

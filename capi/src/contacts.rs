@@ -240,7 +240,7 @@ pub unsafe extern "C" fn dc_cutback(interface: *mut dc_interface, factor: *mut f
     call(interface, |state| {
         state.contacts()?;
         let factor = target("factor", factor, 1)?;
-        unsafe { factor.write([state.hint.factor(&state.interface)]) };
+        unsafe { factor.write([state.cutback.hint(&state.interface, state.cutback_limit).factor]) };
         Ok(())
     })
 }

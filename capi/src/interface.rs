@@ -5,12 +5,11 @@ use std::sync::Arc;
 
 use runtime::Point;
 use runtime::assembly::{DofMap, Triplets};
-use runtime::interface::{ContactInterface, Contacts, InterfaceError, RefreshReport};
+use runtime::interface::{ContactInterface, Contacts, Cutback, InterfaceError, RefreshReport};
 use runtime::surface::MasterSurface;
 
 use crate::border::{self, Versioned, disjoint, input, wanted, wanted_report};
 use crate::choice;
-use crate::cutback::Hint;
 use crate::mesh::{
     self, check_nodes, equations_of, facet_rows, facets_of, points, slaves_of, symmetry_planes,
 };
@@ -29,7 +28,9 @@ pub struct State {
     pub interface: ContactInterface,
     /// Shared with the patterns made with them.
     pub dofs: Arc<DofMap>,
-    pub hint: Hint,
+    pub cutback: Cutback,
+    /// Deepest penetration that is not too deep, in support radii.
+    pub cutback_limit: f64,
     pub triplets: Triplets,
     pub(crate) nodes: usize,
     pub(crate) frozen: bool,
@@ -58,9 +59,10 @@ pub fn insert(state: State) -> Result<usize, Failure> {
 
 impl State {
     /// Of an interface of so many nodes that has not been paired.
-    pub fn new(interface: ContactInterface, nodes: usize, hint: Hint) -> Self {
-        let dofs = Arc::new(DofMap::standard(nodes));
-        Self { interface, dofs, hint, triplets: Triplets::new(), nodes, frozen: false, evaluated: false }
+    pub fn new(interface: ContactInterface, nodes: usize, cutback_limit: f64) -> Self {
+        let (dofs, cutback) = (Arc::new(DofMap::standard(nodes)), Cutback::new(interface.slaves().len()));
+        let (triplets, frozen, evaluated) = (Triplets::new(), false, false);
+        Self { interface, dofs, cutback, cutback_limit, triplets, nodes, frozen, evaluated }
     }
 
     /// The results of the moment.
@@ -140,11 +142,11 @@ fn create(
     check_nodes(positions.len())?;
     let nodes = slaves_of(slaves)?;
     let slave_facets = facets_of(slave_facets)?;
-    let hint = Hint::new(options.cutback_penetration, nodes.len())?;
+    let limit = options.cutback_limit()?;
     let options = options.interface_beside(&slave_facets)?;
     let master = MasterSurface::new(positions, facets_of(master)?)?;
     let interface = ContactInterface::new(master, nodes, &slave_facets, positions, options)?;
-    Ok(State::new(interface, positions.len(), hint))
+    Ok(State::new(interface, positions.len(), limit))
 }
 
 /// Makes an interface of a surface in contact with itself: each of its nodes is a slave, and `facets` are all that it may touch. The surface
@@ -186,8 +188,7 @@ fn create_self_contact(positions: &[Point], facets: &[i32], options: &dc_options
     let own = options.interface()?;
     let surface = MasterSurface::new(positions, facets_of(facets)?)?;
     let interface = ContactInterface::self_contact(surface, positions, own)?;
-    let hint = Hint::new(options.cutback_penetration, interface.slaves().len())?;
-    Ok(State::new(interface, positions.len(), hint))
+    Ok(State::new(interface, positions.len(), options.cutback_limit()?))
 }
 
 /// Destroys an interface. NULL is DC_OK, a handle that was destroyed before is DC_BAD_HANDLE.
@@ -442,7 +443,7 @@ unsafe fn refresh(
 ) -> Result<(), Failure> {
     let positions = unsafe { points(positions, node_count)? };
     let report = unsafe { wanted_report(report, positions)? };
-    let State { interface, hint, .. } = state;
+    let State { interface, cutback, .. } = state;
     let result = if state.frozen {
         interface.update(positions)?;
         RefreshReport::default()
@@ -456,7 +457,7 @@ unsafe fn refresh(
     if state.frozen {
         return Err(frozen());
     }
-    Ok(threads::run(|| hint.begin(interface))?)
+    Ok(threads::run(|| cutback.begin(interface))?)
 }
 
 /// Holds the pairing, for instance over the iterations of an increment: dc_refresh and dc_follow do what dc_update does, and return
@@ -490,9 +491,9 @@ pub extern "C" fn dc_evaluate(interface: *mut dc_interface, mode: i32) -> dc_sta
         let mode = choice::read(mode)?;
         // Until it is done there is nothing.
         state.evaluated = false;
-        let State { interface, hint, .. } = state;
+        let State { interface, cutback, .. } = state;
         threads::run(|| interface.evaluate(mode).map(drop))?;
-        hint.book(interface);
+        cutback.book(interface.contacts());
         state.evaluated = true;
         Ok(())
     })

@@ -22,7 +22,7 @@
 //! | `threads` | where evaluations run, also after a fork |
 //! | `options`, `law` | structures the caller fills |
 //! | `interface` | create and destroy, update, refresh, freeze, evaluate |
-//! | `contacts`, `cutback` | results of an evaluation, the cut-back hint |
+//! | `contacts` | results of an evaluation, the cut-back hint |
 //! | `assembly`, `pattern`, `map`, `operator` | contact forces, triplets, compressed rows, the caller's matrix, products |
 //! | `window`, `part`, `faces_window` | windows of a surface, the parts they are cut from, and what knows them only |
 //! | `faces` | contact over the slave's faces, an object of its own |
@@ -57,7 +57,6 @@ mod batch;
 mod border;
 mod choice;
 mod contacts;
-mod cutback;
 mod element;
 mod faces;
 mod faces_assembly;

@@ -8,7 +8,6 @@ use runtime::surface::Facet;
 
 use crate::border::{self, Versioned, read_sized, reserved, sized_target};
 use crate::choice::{self, Named, dc_element_kind, dc_frame, dc_rule};
-use crate::cutback::DEFAULT_LIMIT;
 use crate::status::{DC_BAD_OPTION, Failure, dc_status};
 
 /// How an interface pairs and evaluates. Set `size`, call dc_options_default, change what is to be different:
@@ -103,7 +102,7 @@ impl dc_options {
             feature_angle_degrees: interface.feature_angle_degrees,
             border_tolerance: interface.border_tolerance,
             distance_limit: interface.distance_limit.unwrap_or(0.0),
-            cutback_penetration: DEFAULT_LIMIT,
+            cutback_penetration: 0.25,
         }
     }
 
@@ -175,6 +174,16 @@ impl dc_options {
         }
         let message =
             "invalid-option: there are slave_facets, which only areas need: set areas of dc_options to 1";
+        Err(Failure::new(DC_BAD_OPTION, message))
+    }
+
+    /// Deepest penetration that is not too deep, in support radii.
+    pub fn cutback_limit(&self) -> Result<f64, Failure> {
+        let limit = self.cutback_penetration;
+        if limit > 0.0 && limit.is_finite() {
+            return Ok(limit);
+        }
+        let message = format!("invalid-option: cutback_penetration must be positive and finite, not {limit}");
         Err(Failure::new(DC_BAD_OPTION, message))
     }
 }

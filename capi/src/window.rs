@@ -4,7 +4,6 @@ use runtime::interface::ContactInterface;
 use runtime::surface::window::{Box3, Window};
 
 use crate::border::{self, disjoint, input, reserve, roomy, wanted};
-use crate::cutback::Hint;
 use crate::interface::{State, dc_interface, insert, with};
 use crate::mesh::{check_nodes, facet_rows, facets_of, points, slaves_of};
 use crate::options::dc_options;
@@ -196,13 +195,13 @@ pub unsafe extern "C" fn dc_create_in_window(
             };
             check_nodes(positions.len())?;
             let slaves = slaves_of(slaves)?;
-            let hint = Hint::new(options.cutback_penetration, slaves.len())?;
+            let limit = options.cutback_limit()?;
             let facets = facets_of(facets)?;
             let options = options.interface_beside(&facets)?;
             let contact = WINDOWS.with(window.addr(), |window| {
                 Ok(threads::run(|| ContactInterface::in_window(window, slaves, &facets, positions, options))?)
             })?;
-            insert(State::new(contact, positions.len(), hint))
+            insert(State::new(contact, positions.len(), limit))
         };
         unsafe { border::hand_out("interface", interface, make) }
     })

@@ -407,7 +407,7 @@ fn differentiates_figure(x: Expr<'_>) -> bool {
 }
 
 impl Kernel<ElementSpec> {
-    /// A kernel of these values, and of these of each node, which `spec` says what they are.
+    /// A kernel of these values and of these of each node; `spec` says which they are.
     pub(super) fn of_element(
         spec: ElementSpec,
         graph: Graph,

@@ -23,6 +23,13 @@ pub enum ContactError {
     /// The coefficient of friction or its stiffness is none.
     #[error("interface `{interface}`: {source}", interface = shown(interface))]
     Friction { interface: String, source: FrictionError },
+    /// Multipliers belong to one pass, and so does a law of friction that looks at pressures.
+    #[error(
+        "interface `{interface}`: multipliers split the pressure between two passes in no certain way, so that a shear limit, or a \
+         coefficient by pressure, needs one pass or the penalty alone",
+        interface = shown(interface)
+    )]
+    SplitPressure { interface: String },
     #[error("interface `{interface}`: the penalty is {value:e}; it has to be positive and finite", interface = shown(interface))]
     Penalty { interface: String, value: f64 },
     #[error(

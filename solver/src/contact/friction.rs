@@ -86,11 +86,19 @@ pub struct PassFriction {
 
 impl PassFriction {
     /// Of a pass with this penalty; none for a coefficient of 0.
+    ///
+    /// # Errors
+    /// [`ContactError::Friction`], [`ContactError::SplitPressure`].
     pub fn new(options: &InteractionOptions, penalty: f64) -> Result<Option<Self>, ContactError> {
         let is_some = |friction: &&Friction| friction.coefficient != Coefficient::Constant(0.0);
         let Some(friction) = options.friction.as_ref().filter(is_some) else { return Ok(None) };
         // Two passes have half of the penalty each, and so of all pressures, of a stiffness and of a limit that were given.
         let share = penalty / options.penalty;
+        let looks_at_pressure =
+            friction.shear_limit.is_some() || matches!(friction.coefficient, Coefficient::Tabulated(_));
+        if looks_at_pressure && share != 1.0 && options.augmentation.is_some() {
+            return Err(ContactError::SplitPressure { interface: options.name.clone() });
+        }
         let made = Self {
             coefficient: PassCoefficient::new(&friction.coefficient, share),
             stiffness: friction.stiffness.map_or(penalty, |stiffness| share * stiffness),
@@ -130,6 +138,7 @@ impl PassFriction {
 mod tests {
     use diffuse_contact::friction::NormalForce;
 
+    use super::super::Augmentation;
     use super::*;
 
     /// Two passes have half of the pressure each, and the coefficient of all of it.
@@ -154,6 +163,28 @@ mod tests {
                     (half / whole - 1.0).abs() < 1e-12 && (half_by_gap / whole_by_gap - 1.0).abs() < 1e-12
                 );
             }
+        }
+    }
+
+    #[test]
+    fn multipliers_in_two_passes_leave_no_pressure_to_look_at() {
+        let table = TabulatedCoefficient::new(&[0.0, 10.0], &[0.0], &[0.1, 0.3]).unwrap();
+        let tabulated = Friction::new(Coefficient::Tabulated(Arc::new(table)));
+        let constant = Friction::new(Coefficient::Constant(0.3));
+        let limited = constant.clone().with_shear_limit(Some(2.0));
+        let augmented =
+            InteractionOptions::new("blocks", 1000.0).with_augmentation(Some(Augmentation::new(1e-3)));
+        for (friction, looks_at_pressure) in [(tabulated, true), (limited, true), (constant, false)] {
+            let options = augmented.clone().with_friction(Some(friction));
+            assert!(PassFriction::new(&options, options.penalty).is_ok());
+            assert!(
+                PassFriction::new(&options.clone().with_augmentation(None), 0.5 * options.penalty).is_ok()
+            );
+            let halves = PassFriction::new(&options, 0.5 * options.penalty);
+            assert_eq!(
+                halves.is_err_and(|error| matches!(error, ContactError::SplitPressure { .. })),
+                looks_at_pressure
+            );
         }
     }
 }

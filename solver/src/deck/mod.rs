@@ -197,7 +197,34 @@ impl Deck {
             time,
         };
         control::check_operator(&deck, &made.newton, &made.interfaces)?;
+        made.check_turns()?;
         Ok(made)
+    }
+}
+
+impl Deck {
+    /// Whether no boundary turns so far in an increment that friction takes it for a turn the other way, or for none.
+    fn check_turns(&self) -> Result<(), DeckError> {
+        const MOST: f64 = 180.0;
+        if self.interfaces.iter().all(|interface| interface.friction.is_none()) {
+            return Ok(());
+        }
+        for boundary in &self.boundaries {
+            let Some((rotation, amplitude)) = &boundary.motion.rotation else { continue };
+            // Increments end at the points of amplitudes.
+            for pair in amplitude.points().windows(2) {
+                let (start, end) = (pair[0], pair[1]);
+                let (duration, turn) = (end[0] - start[0], (rotation.degrees * (end[1] - start[1])).abs());
+                let increment = self.time.maximum.min(duration);
+                let degrees = turn * (increment / duration);
+                if degrees >= MOST {
+                    let most = MOST / degrees * increment;
+                    let problem = Box::new(Problem::TurnsTooFar { degrees, increment, most });
+                    return Err(DeckError::Invalid { path: self.path.clone(), line: boundary.line, problem });
+                }
+            }
+        }
+        Ok(())
     }
 }
 

@@ -78,18 +78,26 @@ fn over_border(left: &[(String, usize)]) -> String {
     left.iter().map(clause).collect()
 }
 
+/// A clause where nothing but the stabilisation held a part.
+const fn of_stabilisation(solutions: usize) -> &'static str {
+    match solutions {
+        0 => "",
+        _ => "; a part is loose, and the stabilisation that holds it carries no load",
+    }
+}
+
 /// Why one increment failed.
 #[derive(Debug, Error)]
 #[non_exhaustive]
 #[allow(missing_docs)] // The messages say what the fields are.
 pub enum Failure {
     /// Too many iterations. `left` are interfaces, and how many of their slaves carried force in the increment and lie beyond the master's
-    /// border at its end.
+    /// border at its end; `stabilised` are linear solutions in which nothing but the stabilisation held a part.
     #[error(
-        "the residual is {residual:.2e} of the forces after {iterations} iterations{}",
-        over_border(left)
+        "the residual is {residual:.2e} of the forces after {iterations} iterations{}{}",
+        of_stabilisation(*stabilised), over_border(left)
     )]
-    Iterations { residual: f64, iterations: usize, left: Vec<(String, usize)> },
+    Iterations { residual: f64, iterations: usize, stabilised: usize, left: Vec<(String, usize)> },
     /// The residual grew beyond reason or is no number.
     #[error("the residual grew to {residual:.2e} of the forces in iteration {iteration}")]
     Diverged { residual: f64, iteration: usize },

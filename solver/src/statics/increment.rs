@@ -185,7 +185,8 @@ impl<'a> Increment<'a> {
             ) {
                 let residual = (balance.residual / balance.scale).max(of_parts);
                 let left = self.over_border();
-                return Err(Failure::Iterations { residual, iterations: self.iterations, left });
+                let (iterations, stabilised) = (self.iterations, self.problem.stabilised);
+                return Err(Failure::Iterations { residual, iterations, stabilised, left });
             } else {
                 self.check_cycle(balance)?;
             }

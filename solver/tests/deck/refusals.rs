@@ -394,3 +394,42 @@ fn a_tangent_that_is_no_operator_is_refused() {
         assert!(found.contains(&expected), "{found}\ndoes not contain\n{expected}");
     }
 }
+
+/// Friction takes a turn by 360° for none, and one by 350° for one of 10° the other way.
+#[test]
+fn a_turn_that_friction_cannot_follow_is_refused() {
+    let with = |rotate: &str, interface: &str, time: &str| {
+        let text =
+            changed("fix = [\"x\", \"y\", \"z\"]", &format!("rotate = {{ axis = [0, 0, 1], {rotate} }}"));
+        let text = text.replace("penalty =", &format!("{interface}penalty ="));
+        text.replace("increment = 0.25", time)
+    };
+    let friction = "friction = 0.3\n";
+    for (rotate, interface, time) in [
+        ("degrees = 720", "", "increment = 0.25"),
+        ("degrees = -716", friction, "increment = 0.25"),
+        ("degrees = -720", friction, "increment = 0.125"),
+        // A point of the amplitude ends the increment.
+        ("degrees = 720, amplitude = [[0, 0], [0.2, 0.2], [1, 0.2]]", friction, "increment = 0.25"),
+    ] {
+        let text = with(rotate, interface, time);
+        assert!(Deck::parse(&text).is_ok(), "{text}");
+    }
+    for (rotate, time, said) in [
+        (
+            "degrees = 720",
+            "increment = 0.25",
+            "line 22: this boundary condition turns by 180° in an increment of 0.25",
+        ),
+        ("degrees = -1440", "increment = 0.25\nfixed = true", "turns by 360° in an increment of 0.25"),
+        ("degrees = 360", "increment = 0.125\nmaximum = 0.75", "have to be below 0.5000"),
+        (
+            "degrees = 400, amplitude = [[0, 0], [0.2, 0.5]]",
+            "increment = 0.25",
+            "turns by 200° in an increment of 0.2:",
+        ),
+    ] {
+        let found = Deck::parse(&with(rotate, friction, time)).unwrap_err().to_string();
+        assert!(found.contains(said), "{found}\ndoes not contain\n{said}");
+    }
+}

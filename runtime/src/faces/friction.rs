@@ -8,13 +8,13 @@
 //!
 //! x_A and y_A are affine combinations of nodes. Their weights, which follow from where the faces were cut, are the history: d is what the
 //! nodes of both sides have moved since. It turns with the bodies. c is the factor of [`Coulomb`](crate::Coulomb), n the mean normal of the
-//! node's points (docs/equations.md, section 18).
+//! node's points (docs/equations.md, section 18). Where points have pressures of their own, a node that carries one has p N_A in place of N_A.
 
 use diffuse_contact_kernels::friction_over_pressure;
 use rayon::prelude::*;
 
 use super::contacts::NodeContact;
-use super::evaluate::Averages;
+use super::evaluate::{Averages, PointStates};
 use super::quadratic::Carrying;
 use super::track::Track;
 use super::window::Side;
@@ -175,8 +175,8 @@ impl FaceInterface {
         }
         self.check_law(law)?;
         let history = self.present_history();
-        let Averages { mut nodes, normals, .. } = self.averages(law, true)?;
-        let present = self.present_tracks()?;
+        let Averages { mut nodes, normals, points } = self.averages(law, true)?;
+        let present = self.present_tracks(&nodes, &points)?;
         let is_augmented = law.friction.is_some_and(|friction| friction.is_augmented());
         let mut report = FrictionReport::default();
         let mut tracks = Vec::with_capacity(nodes.len());
@@ -324,13 +324,18 @@ impl FaceInterface {
         Ok((Some(tracks), errors))
     }
 
-    /// x_A and y_A of all nodes, as the faces are cut now.
-    fn present_tracks(&self) -> Result<Vec<Option<Track>>, InterfaceError> {
+    /// x_A and y_A of all nodes, as the faces are cut now. Where points have pressures, they count by these for a node that carries one:
+    /// what slides is what touches, and tractions work on the mean slip of what they act on.
+    fn present_tracks(
+        &self,
+        nodes: &[NodeContact],
+        points: &PointStates,
+    ) -> Result<Vec<Option<Track>>, InterfaceError> {
         let cut: Vec<usize> = (0..self.faces.len()).filter(|&k| !self.cuts[k].points.is_empty()).collect();
         let tracks: Vec<Vec<FaceTrack>> = self
             .runs(&cut)
             .into_par_iter()
-            .map_init(Results::default, |results, faces| self.face_tracks(faces, results))
+            .map_init(Results::default, |results, faces| self.face_tracks(faces, (nodes, points), results))
             .collect::<Result<_, _>>()?;
         let mut of_face: Vec<Option<FaceTrack>> = (0..self.faces.len()).map(|_| None).collect();
         cut.into_iter().zip(tracks.into_iter().flatten()).for_each(|(k, track)| of_face[k] = Some(track));
@@ -339,12 +344,23 @@ impl FaceInterface {
     }
 
     /// The sums of consecutive faces.
-    fn face_tracks(&self, faces: &[usize], results: &mut Results) -> Result<Vec<FaceTrack>, InterfaceError> {
+    fn face_tracks(
+        &self,
+        faces: &[usize],
+        (nodes, points): (&[NodeContact], &PointStates),
+        results: &mut Results,
+    ) -> Result<Vec<FaceTrack>, InterfaceError> {
         let blank = |&k: &usize| {
             let of_corners = || std::array::from_fn(|_| vec![0.0; self.cuts[k].rows.len()]);
             FaceTrack { totals: [0.0; 4], own: of_corners(), over: of_corners() }
         };
         let mut tracks: Vec<FaceTrack> = faces.iter().map(blank).collect();
+        let is_pressed = |node: &usize| {
+            let place = self.nodes.binary_search(node).ok();
+            place.is_some_and(|place| nodes[place].pressure > 0.0)
+        };
+        let of_corners = |&face: &usize| self.faces[face].corners().iter().map(is_pressed).collect();
+        let pressed: Vec<Vec<bool>> = faces.iter().map(of_corners).collect();
         self.for_each_contact_of(faces, Mode::Gradient, results, |k, point, contact| {
             let face = faces[k];
             let own: &Carrying = &self.carriers.faces[face];
@@ -359,8 +375,9 @@ impl FaceInterface {
                     .unwrap_or_else(|_| unreachable!("rows hold all nodes of their points"))
             };
             let functions = shape_of(&self.faces[face], &self.positions).functions(point.natural);
+            let pressure = points.pressures.get(contact.slave - self.positions.len()).map(|own| own.force);
             for (corner, n) in functions.into_iter().enumerate().take(self.faces[face].corners().len()) {
-                let weight = point.weight * n;
+                let weight = point.weight * n * pressure.filter(|_| pressed[k][corner]).unwrap_or(1.0);
                 tracks[k].totals[corner] += weight;
                 for (&node, part) in own.nodes().iter().zip(point.functions) {
                     tracks[k].own[corner][place(node)] += weight * part;

@@ -203,6 +203,29 @@ fn a_shear_limit_is_kept() {
     assert_tangent_at(&pair, &mut own, &law, &moved(&pair, 1.0), 37);
 }
 
+/// A wide face touches along one of its edges and is stretched away from there: what touches slides by a tenth of what its mean does.
+#[test]
+fn what_slides_of_a_face_with_pressures_of_points_is_what_touches() {
+    let pair =
+        Pair::new([12, 1], false, |x, y| [1.5 * x - 1.5, 1.5 * y - 1.5, 0.0], |x, y| [x, y, 0.02 * x - 0.01]);
+    let mut interface = pair.interface(ContactElement::default(), FaceRule::Second);
+    interface.set_pressures(FacePressures::Points);
+    interface.refresh(&pair.positions).unwrap();
+    interface.accept(&law()).unwrap();
+    let mut moved = pair.positions.clone();
+    moved[pair.first_slave..].iter_mut().for_each(|x| x[0] *= 1.1);
+    interface.refresh(&moved).unwrap();
+    let nodes = interface.evaluate(&law(), Mode::Gradient).unwrap().nodes().to_vec();
+    // Two points of the piece of the face that touches are pressed, at the same distance from the edge.
+    let place = 0.75 * 0.5 * (1.0 - 1.0 / 3.0_f64.sqrt());
+    for node in nodes {
+        assert!(
+            node.friction_state == FrictionState::Slip && (node.slip / (0.1 * place) - 1.0).abs() < 1e-3,
+            "{node:?}"
+        );
+    }
+}
+
 /// Uniform pressure and traction arrive at both sides, away from the edges of the master.
 #[test]
 fn a_uniform_traction_arrives_at_both_sides() {

@@ -107,14 +107,8 @@ impl<'a> Element<'a> {
         if self.masters.len() < needed {
             return Err(ElementError::TooFewNodes { found: self.masters.len(), needed });
         }
-        if !self.slave.iter().all(|x| x.is_finite()) {
-            return Err(ElementError::NonFiniteInput { what: "slave", index: 0 });
-        }
-        for (index, master) in self.masters.iter().enumerate() {
-            if !master.iter().all(|x| x.is_finite()) {
-                return Err(ElementError::NonFiniteInput { what: "master", index });
-            }
-        }
+        ElementError::check_points("slave", &[self.slave])?;
+        ElementError::check_points("master", self.masters)?;
         if !is_radius(self.support_radius) {
             return Err(ElementError::InvalidSupportRadius { value: self.support_radius });
         }

@@ -2,6 +2,8 @@
 
 use diffuse_contact_kernels::support::{PIVOT_TOLERANCE, Status};
 
+use crate::Point;
+
 /// Every reason for which an element yields no numbers. Each carries the figures that led to it.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
@@ -144,6 +146,12 @@ impl ElementError {
             }
             _ => Self::Overflow { what: "result" },
         })
+    }
+
+    /// Whether all coordinates of these points are finite.
+    pub(crate) fn check_points(what: &'static str, points: &[Point]) -> Result<(), Self> {
+        let index = points.iter().position(|point| !point.iter().all(|x| x.is_finite()));
+        index.map_or(Ok(()), |index| Err(Self::NonFiniteInput { what, index }))
     }
 
     /// Stable machine-readable code, used by the command-line program and the language bindings.

@@ -9,7 +9,6 @@ use diffuse_contact_kernels::{
     gap_over_quadrilateral, gap_over_triangle, slip_over_quadrilateral, slip_over_triangle,
 };
 
-use crate::kernels::check_anchor;
 use crate::output::SymmetricMatrix;
 use crate::{ContactPoint, ElementError, Gap, Generated, Mode, Point, Slip};
 
@@ -62,13 +61,8 @@ impl FacetElement<'_> {
         if !matches!(self.corners.len(), 3 | 4) {
             return Err(ElementError::FacetCorners { found: self.corners.len() });
         }
-        if !self.slave.iter().all(|x| x.is_finite()) {
-            return Err(ElementError::NonFiniteInput { what: "slave", index: 0 });
-        }
-        match self.corners.iter().position(|corner| !corner.iter().all(|x| x.is_finite())) {
-            Some(index) => Err(ElementError::NonFiniteInput { what: "corner", index }),
-            None => Ok(()),
-        }
+        ElementError::check_points("slave", &[self.slave])?;
+        ElementError::check_points("corner", self.corners)
     }
 
     /// Whether natural coordinates lie on the facet, or within `tolerance` of it in their own measure. False for a NaN.
@@ -143,7 +137,7 @@ impl Generated {
         anchor: Point,
         mode: Mode,
     ) -> Result<Slip, ElementError> {
-        check_anchor(anchor)?;
+        ElementError::check_points("anchor", &[anchor])?;
         let contact = self.facet_gap(element, mode)?;
         let mut numbers = SlipNumbers::default();
         let half_square = facet_slip(element, anchor, mode, &mut numbers)?;

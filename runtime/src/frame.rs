@@ -97,11 +97,7 @@ impl Frame {
     /// [`ElementError::NoAveragePlane`] if the nodes lie on a line or are as thick as wide,
     /// [`ElementError::AmbiguousOutward`] if `outward` lies in the plane or is zero.
     pub fn average_plane(masters: &[Point], outward: Point) -> Result<Self, ElementError> {
-        for (index, master) in masters.iter().enumerate() {
-            if !master.iter().all(|x| x.is_finite()) {
-                return Err(ElementError::NonFiniteInput { what: "master", index });
-            }
-        }
+        ElementError::check_points("master", masters)?;
         Self::average_plane_of(masters.iter().map(|&x| (x, 1.0)), 0.0, outward)
     }
 
@@ -133,9 +129,7 @@ impl Frame {
         if !(reach > 0.0 && reach <= 1.0) {
             return Err(ElementError::InvalidReach { value: reach });
         }
-        if let Some(index) = masters.iter().position(|x| !x.iter().all(|x| x.is_finite())) {
-            return Err(ElementError::NonFiniteInput { what: "master", index });
-        }
+        ElementError::check_points("master", masters)?;
         let slave = Vector3::from(slave);
         let weighted = masters
             .iter()

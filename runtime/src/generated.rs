@@ -5,7 +5,7 @@ use diffuse_contact_kernels::support::{ElementInputs, GapValues, KernelSet, pack
 use crate::batch::contact_point;
 use crate::foot;
 pub use crate::kernels::{Generated, GeneratedWith};
-use crate::kernels::{check_anchor, frame_rule, inputs, validate};
+use crate::kernels::{frame_rule, inputs, validate};
 use crate::output::SymmetricMatrix;
 use crate::weight::with_kernels;
 use crate::{
@@ -88,7 +88,7 @@ impl<K: KernelSet + Sync> Backend for GeneratedWith<K> {
 
     fn slip(&self, element: &Element<'_>, anchor: Point, mode: Mode) -> Result<Slip, ElementError> {
         validate::<K>(element)?;
-        check_anchor(anchor)?;
+        ElementError::check_points("anchor", &[anchor])?;
         if !K::FRICTION {
             return Err(ElementError::NoFrictionKernels);
         }

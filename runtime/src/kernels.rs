@@ -4,7 +4,7 @@ use std::marker::PhantomData;
 
 use diffuse_contact_kernels::support::{ElementInputs, FrameRule, KernelSet, Masters};
 
-use crate::{Domains, Element, ElementError, FrameDerivative, Point};
+use crate::{Domains, Element, ElementError, FrameDerivative};
 
 /// Evaluates elements with the kernels that the build script of `diffuse-contact-kernels` generated.
 ///
@@ -35,12 +35,6 @@ impl<K> GeneratedWith<K> {
     pub const fn new() -> Self {
         Self(PhantomData)
     }
-}
-
-/// Whether an anchor is a point.
-pub(crate) fn check_anchor(anchor: Point) -> Result<(), ElementError> {
-    let is_finite = anchor.iter().all(|x| x.is_finite());
-    if is_finite { Ok(()) } else { Err(ElementError::NonFiniteInput { what: "anchor", index: 0 }) }
 }
 
 /// [`Element::validate`], and whether there are kernels for the basis.

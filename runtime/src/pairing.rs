@@ -36,11 +36,7 @@ impl NearestNodes {
     /// [`ElementError::NonFiniteInput`] if a coordinate is NaN or infinite; [`ElementError::TooManyNodes`] if the tree
     /// cannot name all nodes.
     pub fn new(points: Vec<Point>) -> Result<Self, ElementError> {
-        for (index, point) in points.iter().enumerate() {
-            if !point.iter().all(|x| x.is_finite()) {
-                return Err(ElementError::NonFiniteInput { what: "master", index });
-            }
-        }
+        ElementError::check_points("master", &points)?;
         let count =
             u32::try_from(points.len()).map_err(|_| ElementError::TooManyNodes { found: points.len() })?;
         let named = points.iter().zip(0..count).map(|(&point, index)| GeomWithData::new(point, index));

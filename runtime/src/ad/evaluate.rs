@@ -10,7 +10,6 @@ use super::material::Place;
 use super::model::Model;
 use super::plane::{AveragePlane, Turn};
 use super::{RadialWeight, coordinates_of, finite};
-use crate::kernels::check_anchor;
 use crate::{
     Basis, Coefficients, ContactPoint, Domains, Element, ElementError, FootDerivatives, FrameDerivative, Gap,
     Mode, Point, Slip, Surface,
@@ -70,7 +69,7 @@ pub(super) fn slip<W: RadialWeight>(
     anchor: Point,
     mode: Mode,
 ) -> Result<Slip, ElementError> {
-    check_anchor(anchor)?;
+    ElementError::check_points("anchor", &[anchor])?;
     let element = model.element;
     let radius = element.support_radius;
     let (contact, quantity) = at_foot(model, mode)?;

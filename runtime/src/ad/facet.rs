@@ -10,7 +10,6 @@ use super::drive::{Quantity, differentiate_at};
 use super::evaluate::slip_of;
 use super::linear::{Scalar, determinant, inverse};
 use super::{Ad, finite};
-use crate::kernels::check_anchor;
 use crate::{ContactPoint, ElementError, FacetElement, FacetPoint, FootDerivatives, Gap, Mode, Point, Slip};
 
 /// Steps of the descent after which it gives up.
@@ -103,7 +102,7 @@ impl Ad {
         anchor: Point,
         mode: Mode,
     ) -> Result<Slip, ElementError> {
-        check_anchor(anchor)?;
+        ElementError::check_points("anchor", &[anchor])?;
         let contact = self.facet_gap(element, mode)?;
         let distance = Distance::of(element, MIDDLE)?;
         let (size, natural) = (distance.size, distance.point(element)?.natural);

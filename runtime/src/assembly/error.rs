@@ -118,6 +118,11 @@ pub enum AssemblyError {
 }
 
 impl AssemblyError {
+    /// Whether a slice of the caller's has as many entries as it takes.
+    pub(crate) fn check_length(what: &'static str, found: usize, expected: usize) -> Result<(), Self> {
+        if found == expected { Ok(()) } else { Err(Self::OutputLength { what, found, expected }) }
+    }
+
     /// Whether all entries of a vector are finite.
     pub(crate) fn check_finite(what: &'static str, v: &[f64]) -> Result<(), Self> {
         let entry = v.iter().position(|x| !x.is_finite());

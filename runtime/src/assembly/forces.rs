@@ -1,7 +1,7 @@
 //! The forces vector.
 
 use super::law::{Needs, check};
-use super::{AssemblyError, ContactLaw, DofMap, Elements};
+use super::{AssemblyError, ContactLaw, DofMap, Elements, add_entry};
 
 /// Adds the contact forces R = Σ f_k N_k on the nodes to `forces`, one entry per equation, in the order of the
 /// elements. Returns the number of elements that carry force.
@@ -16,10 +16,7 @@ pub fn add_forces<E: Elements + ?Sized>(
     dofs: &DofMap,
     forces: &mut [f64],
 ) -> Result<usize, AssemblyError> {
-    if forces.len() != dofs.equations() {
-        let (found, expected) = (forces.len(), dofs.equations());
-        return Err(AssemblyError::OutputLength { what: "forces", found, expected });
-    }
+    AssemblyError::check_length("forces", forces.len(), dofs.equations())?;
     check(elements, law, dofs.nodes(), Needs::Residual)?;
     let mut count = 0;
     for k in 0..elements.len() {
@@ -27,10 +24,8 @@ pub fn add_forces<E: Elements + ?Sized>(
         count += 1;
         for (local, node) in elements.element(k).nodes().enumerate() {
             for (axis, equation) in dofs.of_node(node).into_iter().enumerate() {
-                let Some(equation) = equation else { continue };
-                forces[equation] += active.contact_force(3 * local + axis);
-                if !forces[equation].is_finite() {
-                    return Err(AssemblyError::Overflow { what: "forces", equation });
+                if let Some(equation) = equation {
+                    add_entry("forces", forces, equation, active.contact_force(3 * local + axis))?;
                 }
             }
         }

@@ -71,6 +71,17 @@ pub use slave_friction::{SlaveFriction, slave_friction};
 pub use tangent::Tangent;
 pub use triplets::{Triangle, Triplets};
 
+/// Adds a number to an entry of a vector, which has to be finite afterwards.
+pub(crate) fn add_entry(
+    what: &'static str,
+    entries: &mut [f64],
+    equation: usize,
+    value: f64,
+) -> Result<(), AssemblyError> {
+    entries[equation] += value;
+    if entries[equation].is_finite() { Ok(()) } else { Err(AssemblyError::Overflow { what, equation }) }
+}
+
 /// An empty vector with room for `count` of `what`: an error where there is no memory, not the end of the program.
 fn reserve<T>(what: &'static str, count: usize) -> Result<Vec<T>, AssemblyError> {
     let mut vector = Vec::new();

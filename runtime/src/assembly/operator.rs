@@ -14,7 +14,7 @@ use std::fmt;
 use part::{Contact, Element, NONE, Numbering, Part, Side};
 use rayon::prelude::*;
 
-use super::{AssemblyError, ContactLaw, DofMap, Tangent, zeros};
+use super::{AssemblyError, ContactLaw, DofMap, Tangent, add_entry, zeros};
 use crate::Mode;
 use crate::interface::{ContactInterface, ContactRef, InterfaceError, Results};
 
@@ -215,8 +215,8 @@ impl TangentOperator {
     }
 
     fn add_product_of(&mut self, side: Side, v: &[f64], product: &mut [f64]) -> Result<(), AssemblyError> {
-        self.check_length("entries of v", v.len())?;
-        self.check_length("products", product.len())?;
+        AssemblyError::check_length("entries of v", v.len(), self.equations)?;
+        AssemblyError::check_length("products", product.len(), self.equations)?;
         AssemblyError::check_finite("v", v)?;
         let entry = |&equation: &usize| if equation == NONE { 0.0 } else { v[equation] };
         self.moves
@@ -235,16 +235,11 @@ impl TangentOperator {
     /// # Errors
     /// As [`add_product`](Self::add_product).
     pub fn add_diagonal(&mut self, diagonal: &mut [f64]) -> Result<(), AssemblyError> {
-        self.check_length("diagonal entries", diagonal.len())?;
+        AssemblyError::check_length("diagonal entries", diagonal.len(), self.equations)?;
         let rotations = &self.rotations;
         let slots = split(&self.parts, &mut self.contributions);
         slots.into_par_iter().for_each(|(part, target)| part.diagonal(rotations, target));
         self.add_sums("diagonal entries", diagonal)
-    }
-
-    fn check_length(&self, what: &'static str, found: usize) -> Result<(), AssemblyError> {
-        let expected = self.equations;
-        if found == expected { Ok(()) } else { Err(AssemblyError::OutputLength { what, found, expected }) }
     }
 
     /// Adds what all points contribute.
@@ -260,12 +255,8 @@ impl TangentOperator {
         });
         for (equations, sum) in nodes.iter().zip(sums) {
             for (&equation, x) in equations.iter().zip(sum) {
-                if equation == NONE {
-                    continue;
-                }
-                target[equation] += *x;
-                if !target[equation].is_finite() {
-                    return Err(AssemblyError::Overflow { what, equation });
+                if equation != NONE {
+                    add_entry(what, target, equation, *x)?;
                 }
             }
         }

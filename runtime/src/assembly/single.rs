@@ -36,8 +36,7 @@ impl ContactLaw<'_> {
         self.check(1)?;
         let freedoms = contact.gradient.len();
         let length = |what, found: usize, expected| {
-            let wrong = AssemblyError::OutputLength { what, found, expected };
-            if found == 0 || found == expected { Ok(()) } else { Err(wrong) }
+            if found == 0 { Ok(()) } else { AssemblyError::check_length(what, found, expected) }
         };
         length("forces", nodal_forces.len(), freedoms)?;
         length("values", tangent.len(), freedoms * freedoms)?;
@@ -86,10 +85,7 @@ impl ContactLaw<'_> {
     ) -> Result<f64, AssemblyError> {
         self.check(1)?;
         let freedoms = contact.gradient.len();
-        let (found, expected) = (packed.len(), freedoms * (freedoms + 1) / 2);
-        if found != expected {
-            return Err(AssemblyError::OutputLength { what: "values", found, expected });
-        }
+        AssemblyError::check_length("values", packed.len(), freedoms * (freedoms + 1) / 2)?;
         self.check_contact(0, contact, freedoms, Needs::Tangent)?;
         let Some(active) = self.active_contact(0, contact) else {
             packed.fill(0.0);

@@ -84,9 +84,7 @@ impl Triplets {
                     if !value.is_finite() {
                         return Err(AssemblyError::Overflow { what: "values", equation: row });
                     }
-                    self.rows.push(row);
-                    self.columns.push(column);
-                    self.values.push(value);
+                    self.push(row, column, value);
                 }
             }
         }

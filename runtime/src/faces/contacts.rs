@@ -1,6 +1,6 @@
 //! The contact of all slave nodes, with pressures averaged to them.
 
-use crate::assembly::{AssemblyError, DofMap, Tangent, Triplets};
+use crate::assembly::{AssemblyError, DofMap, Tangent, Triplets, add_entry};
 use crate::friction::FrictionState;
 use crate::interface::{NoContact, Outcome};
 use crate::{Mode, Point};
@@ -204,18 +204,13 @@ impl FaceContacts {
     /// [`AssemblyError::OutputLength`], [`AssemblyError::UnknownNode`], [`AssemblyError::NotDerived`]: `forces` is then unchanged.
     /// [`AssemblyError::Overflow`] if a sum is not finite; the contents of `forces` are then unspecified.
     pub fn add_forces(&self, dofs: &DofMap, forces: &mut [f64]) -> Result<usize, AssemblyError> {
-        let (found, expected) = (forces.len(), dofs.equations());
-        if found != expected {
-            return Err(AssemblyError::OutputLength { what: "forces", found, expected });
-        }
+        AssemblyError::check_length("forces", forces.len(), dofs.equations())?;
         self.check(dofs, Mode::Gradient)?;
         let mut add = |rows: &[u32], force: &dyn Fn(usize) -> f64| {
             for (node, place) in rows.iter().zip(0..) {
                 for axis in 0..3 {
-                    let Some(equation) = dofs.equation(*node as usize, axis) else { continue };
-                    forces[equation] += force(3 * place + axis);
-                    if !forces[equation].is_finite() {
-                        return Err(AssemblyError::Overflow { what: "forces", equation });
+                    if let Some(equation) = dofs.equation(*node as usize, axis) {
+                        add_entry("forces", forces, equation, force(3 * place + axis))?;
                     }
                 }
             }

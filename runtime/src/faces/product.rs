@@ -4,7 +4,7 @@ use rayon::prelude::*;
 
 use super::contacts::{FaceContacts, FacePart, NodeBlock};
 use crate::Mode;
-use crate::assembly::{AssemblyError, DofMap, Tangent};
+use crate::assembly::{AssemblyError, DofMap, Tangent, add_entry};
 
 /// What a part of the tangent adds to a product: an entry per coordinate of its rows' nodes.
 struct Part<'a> {
@@ -28,12 +28,8 @@ impl FaceContacts {
         v: &[f64],
         product: &mut [f64],
     ) -> Result<(), AssemblyError> {
-        for (what, found) in [("entries of v", v.len()), ("products", product.len())] {
-            let expected = dofs.equations();
-            if found != expected {
-                return Err(AssemblyError::OutputLength { what, found, expected });
-            }
-        }
+        AssemblyError::check_length("entries of v", v.len(), dofs.equations())?;
+        AssemblyError::check_length("products", product.len(), dofs.equations())?;
         AssemblyError::check_finite("v", v)?;
         self.check(dofs, if tangent == Tangent::Exact { Mode::Hessian } else { Mode::Gradient })?;
         let moves = |nodes: &[u32]| -> Vec<f64> {
@@ -56,10 +52,8 @@ impl FaceContacts {
         for Part { rows, sums } in parts {
             for (&node, sums) in rows.iter().zip(sums.as_chunks::<3>().0) {
                 for (axis, sum) in sums.iter().enumerate() {
-                    let Some(equation) = dofs.equation(node as usize, axis) else { continue };
-                    product[equation] += sum;
-                    if !product[equation].is_finite() {
-                        return Err(AssemblyError::Overflow { what: "products", equation });
+                    if let Some(equation) = dofs.equation(node as usize, axis) {
+                        add_entry("products", product, equation, *sum)?;
                     }
                 }
             }

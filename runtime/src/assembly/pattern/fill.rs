@@ -81,7 +81,7 @@ impl CsrMap {
         values: &mut [f64],
         from_zero: bool,
     ) -> Result<usize, AssemblyError> {
-        self.check_values(values.len())?;
+        AssemblyError::check_length("values", values.len(), self.entries())?;
         self.check_elements(elements)?;
         law.check_for(elements)?;
         let mut count = 0;
@@ -93,13 +93,6 @@ impl CsrMap {
             self.add_batch(batch, &|k| law.active(elements, k), values, from_zero)?;
         }
         Ok(count)
-    }
-
-    /// Refuses another number of values.
-    pub(super) fn check_values(&self, found: usize) -> Result<(), AssemblyError> {
-        let expected = self.entries();
-        let wrong = AssemblyError::OutputLength { what: "values", found, expected };
-        if found == expected { Ok(()) } else { Err(wrong) }
     }
 
     /// Adds what the elements of a batch contribute. `from_zero`: rows are set to zero before the first element of theirs.

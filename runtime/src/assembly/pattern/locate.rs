@@ -69,10 +69,7 @@ pub fn of_row<'a>(others: &'a [[u32; 3]], group: &Located, row: usize) -> &'a [[
 
 /// Checks the row offsets of a matrix with so many rows and entries.
 pub fn check_rows<R: CsrIndex>(rows: usize, offsets: &[R], entries: usize) -> Result<(), AssemblyError> {
-    let (found, expected) = (offsets.len(), rows.saturating_add(1));
-    if found != expected {
-        return Err(AssemblyError::OutputLength { what: "row offsets", found, expected });
-    }
+    AssemblyError::check_length("row offsets", offsets.len(), rows.saturating_add(1))?;
     let mut last = 0;
     for (place, &offset) in offsets.iter().enumerate() {
         let row = place.saturating_sub(1);

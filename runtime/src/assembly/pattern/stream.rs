@@ -54,7 +54,7 @@ impl CsrMap {
                 if from_zero { self.fill(contacts, law, values) } else { self.add(contacts, law, values) };
             return Ok(summed?);
         }
-        self.check_values(values.len())?;
+        AssemblyError::check_length("values", values.len(), self.entries())?;
         self.check_elements(contacts)?;
         let loaded = loaded(contacts, law)?;
         let mut results = Results::default();

@@ -62,12 +62,6 @@ impl<'a> ContactLaw<'a> {
         Self { penalty, normal: None, multipliers: None, tangent: Tangent::Exact, friction: None }
     }
 
-    /// With this normal law, or the penalty's.
-    #[must_use]
-    pub const fn with_normal(self, normal: Option<&'a dyn NormalLaw>) -> Self {
-        Self { normal, ..self }
-    }
-
     /// With friction, or without. The tangential stiffness is one per area where the elements carry areas. A coefficient of 0 is no
     /// friction.
     #[must_use]
@@ -81,6 +75,8 @@ impl<'a> ContactLaw<'a> {
     }
 
     with! {
+        /// With this normal law, or the penalty's.
+        with_normal(normal: Option<&'a dyn NormalLaw>);
         /// With these multipliers, or without any.
         with_multipliers(multipliers: Option<&'a [f64]>);
         /// With this tangent.
@@ -101,15 +97,10 @@ impl<'a> ContactLaw<'a> {
     /// # Panics
     /// If there are multipliers, but none for `k`.
     pub fn normal_force(&self, k: usize, gap: f64, area: f64) -> NormalForce {
-        self.force_and_pressure(k, gap, area).0
+        self.force_with(self.multiplier(k), k, gap, area).0
     }
 
-    /// The normal force, and what it was made of by a normal law of one's own.
-    fn force_and_pressure(&self, k: usize, gap: f64, area: f64) -> (NormalForce, Option<NormalPressure>) {
-        self.force_with(self.multiplier(k), k, gap, area)
-    }
-
-    /// The same with this multiplier.
+    /// The normal force with this multiplier, and what it was made of by a normal law of one's own.
     fn force_with(
         &self,
         multiplier: f64,
@@ -137,26 +128,18 @@ impl<'a> ContactLaw<'a> {
     /// # Panics
     /// If there are multipliers, but none for `k`.
     pub fn checked_normal_force(&self, k: usize, gap: f64, area: f64) -> Result<NormalForce, AssemblyError> {
-        self.check_force(self.force_and_pressure(k, gap, area), k, gap, area)
+        self.checked_force_with(self.multiplier(k), k, gap, area)
     }
 
-    /// The pressure at a point with a multiplier of its own. A normal law is asked for that of element `k`.
-    pub(crate) fn pressure_at(
+    /// The same with this multiplier.
+    pub(crate) fn checked_force_with(
         &self,
         multiplier: f64,
         k: usize,
         gap: f64,
-    ) -> Result<NormalForce, AssemblyError> {
-        self.check_force(self.force_with(multiplier, k, gap, 1.0), k, gap, 1.0)
-    }
-
-    fn check_force(
-        &self,
-        (found, own): (NormalForce, Option<NormalPressure>),
-        k: usize,
-        gap: f64,
         area: f64,
     ) -> Result<NormalForce, AssemblyError> {
+        let (found, own) = self.force_with(multiplier, k, gap, area);
         if let Some(NormalPressure { pressure, by_gap }) = own
             && !(pressure.is_finite() && by_gap.is_finite())
         {

@@ -62,6 +62,11 @@ pub struct TangentOperator {
     sums: Vec<[f64; 3]>,
 }
 
+/// Whether a contact carries force. One that the law has no number for is looked at again, and refused.
+fn may_carry(law: &ContactLaw<'_>, k: usize, gap: f64, area: f64) -> bool {
+    law.checked_normal_force(k, gap, area).map_or(true, |at| at.force > 0.0)
+}
+
 /// Slaves with friction that one thread evaluates in a row.
 const AT_ONCE: usize = 256;
 
@@ -83,9 +88,7 @@ impl TangentOperator {
             return Self::with_friction(interface, law, dofs);
         }
         let with_second = law.tangent == Tangent::Exact;
-        // A contact that the law has no number for is looked at again, and refused.
-        let carries = |k, gap, area| law.checked_normal_force(k, gap, area).map_or(true, |at| at.force > 0.0);
-        let found = interface.linearise(with_second, carries)?;
+        let found = interface.linearise(with_second, |k, gap, area| may_carry(law, k, gap, area))?;
         let rotations = interface.rotations();
         let mut numbering = Numbering::new(dofs)?;
         let mut parts = Vec::with_capacity(found.len());
@@ -109,9 +112,7 @@ impl TangentOperator {
             let gap = interface.evaluate_loaded(range.clone(), Mode::Value, &|_| true, &mut gaps)?;
             let is_loaded = |k: usize| {
                 let ContactRef { outcome, point, area, .. } = gap(k);
-                // A contact that the law has no number for is looked at again, and refused.
-                outcome.is_contact()
-                    && law.checked_normal_force(k, point.gap, area).map_or(true, |at| at.force > 0.0)
+                outcome.is_contact() && may_carry(law, k, point.gap, area)
             };
             let contact =
                 interface.evaluate_loaded(range.clone(), Mode::Hessian, &is_loaded, &mut results)?;

@@ -474,7 +474,7 @@ fn point_pressure(
     let own = || places.iter().zip(functions).filter_map(|(place, n)| Some(((*place)?, *n)));
     let nearest = own().max_by(|(_, one), (_, other)| one.total_cmp(other));
     let multiplier = own().map(|(place, n)| n * law.multiplier(place)).sum();
-    let found = law.pressure_at(multiplier, nearest.map_or(0, |(place, _)| place), gap)?;
+    let found = law.checked_force_with(multiplier, nearest.map_or(0, |(place, _)| place), gap, 1.0)?;
     Ok(NormalForce { stiffness: if found.force > 0.0 { found.stiffness } else { 0.0 }, ..found })
 }
 

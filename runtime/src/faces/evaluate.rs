@@ -164,23 +164,11 @@ impl FaceInterface {
             return Ok(NodeContact::without(sums.slave, reason));
         }
         if !(sums.area > SMALLEST_AREA * self.areas[k]) {
-            let outcome = match sums.outcome {
-                Outcome::Contact { .. } => {
-                    Outcome::None(NoContact::NothingOver { limit: self.limit_around(k) })
-                }
-                reason => reason,
+            let reason = match sums.outcome {
+                Outcome::Contact { .. } => NoContact::NothingOver { limit: self.limit_around(k) },
+                Outcome::None(reason) => reason,
             };
-            let smallest_gap = f64::INFINITY;
-            return Ok(NodeContact {
-                outcome,
-                gap: 0.0,
-                smallest_gap,
-                area: 0.0,
-                normal: [0.0; 3],
-                pressure: 0.0,
-                stiffness: 0.0,
-                ..sums
-            });
+            return Ok(NodeContact::without(sums.slave, reason));
         }
         if let Some(normal) = normal {
             *normal = *normal / sums.area;

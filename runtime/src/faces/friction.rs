@@ -293,10 +293,7 @@ impl FaceInterface {
         if !friction.is_augmented() {
             return Err(AssemblyError::NoAugmentation.into());
         }
-        law.validate(self.nodes.len())?;
-        if self.cut_at.is_none() {
-            return Err(InterfaceError::NotRefreshed);
-        }
+        self.check_law(law)?;
         let Averages { nodes, normals, .. } = self.averages(law, true)?;
         let mut errors = vec![0.0; nodes.len()];
         let (Some(committed), Some(present)) = (&self.tracks, self.present_history()) else {

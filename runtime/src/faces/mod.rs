@@ -97,6 +97,7 @@ use crate::assembly::ContactLaw;
 use crate::interface::{ContactInterface, InterfaceError, InterfaceOptions, NoContact};
 use crate::surface::{Facet, MasterSurface, OwnSurface, SurfaceIndex, check_position, shape_of};
 use crate::vector::Vector3;
+use crate::with::with;
 use crate::{Mode, Point};
 
 /// Pieces stay while no node has moved farther than this part of the smallest facet. What they miss of the edges between facets is of
@@ -148,16 +149,11 @@ impl FaceOptions {
         Self { interface, rule: FaceRule::default(), pressures: FacePressures::default() }
     }
 
-    /// With this rule.
-    #[must_use]
-    pub const fn with_rule(self, rule: FaceRule) -> Self {
-        Self { rule, ..self }
-    }
-
-    /// With pressures of these.
-    #[must_use]
-    pub const fn with_pressures(self, pressures: FacePressures) -> Self {
-        Self { pressures, ..self }
+    with! {
+        /// With this rule.
+        with_rule(rule: FaceRule);
+        /// With pressures of these.
+        with_pressures(pressures: FacePressures);
     }
 }
 
@@ -503,9 +499,7 @@ impl FaceInterface {
         self.contacts = contacts;
         Ok(&self.contacts)
     }
-}
 
-impl FaceInterface {
     /// Whether the law can be evaluated now.
     fn check_law(&self, law: &ContactLaw<'_>) -> Result<(), InterfaceError> {
         law.validate(self.nodes.len())?;

@@ -8,7 +8,7 @@ use diffuse_contact_kernels::support::{Isa, Vector, WithLanes};
 use super::carried::{Carried, PointLoad, direction_along, load_of_point};
 use super::cut::FacePoint;
 use super::quadratic::{Carrying, MOST_NODES};
-use super::skin::{Skin, SkinFace};
+use super::skin::Skin;
 use crate::friction::NormalForce;
 use crate::interface::{ContactInterface, FitPoint, InterfaceError, back, reserve};
 use crate::surface::{Facet, Image, Shape};
@@ -114,9 +114,8 @@ pub struct PointScratch<'a> {
 impl<'a> PointScratch<'a> {
     /// Finds what there is of a point.
     fn look(&mut self, view: &FaceView<'a>, point: &FacePoint, over: &Carrying, contact: &PointContact<'_>) {
-        let weights = view.face().weights(view.facet.corners().len(), point.natural);
         self.weights.clear();
-        self.weights.extend(weights);
+        self.weights.extend(view.skin.faces[view.face].weights(point.natural));
         // Nodes ascend as columns do, but for those of a facet by itself.
         let mut next = 0;
         self.masters.clear();
@@ -139,12 +138,6 @@ impl<'a> PointScratch<'a> {
         let own = view.places.own.iter().zip(point.functions);
         self.carriers.extend(own.map(|(place, n)| (place.row, 0, n)));
         self.carriers.extend(self.over.iter().enumerate().map(|(k, place)| (place.row, k + 1, -1.0)));
-    }
-}
-
-impl FaceView<'_> {
-    fn face(&self) -> &SkinFace {
-        &self.skin.faces[self.face]
     }
 }
 

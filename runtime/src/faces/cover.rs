@@ -64,8 +64,7 @@ impl FaceInterface {
     /// # Panics
     /// If there is no such face or position.
     pub fn position_of(&self, place: &CoveredPlace, positions: &[Point]) -> Point {
-        let corners = self.faces[place.face].corners().len();
-        self.skin.position(place.face, corners, place.natural, positions)
+        self.skin.position(place.face, place.natural, positions)
     }
 
     /// How deep the face may lie below the facet and still touch it, at the positions of the master's index, length: half of the body's

@@ -323,9 +323,8 @@ impl FaceInterface {
     fn move_points(&mut self, positions: &[Point]) -> Result<(), InterfaceError> {
         let mut all = positions.to_vec();
         for (k, cut) in self.cuts.iter().enumerate() {
-            let corners = self.faces[k].corners().len();
             let own = self.points[cut.points.clone()].iter();
-            all.extend(own.map(|point| self.skin.position(k, corners, point.natural, positions)));
+            all.extend(own.map(|point| self.skin.position(k, point.natural, positions)));
         }
         self.interface.update(&all)?;
         self.positions.copy_from_slice(positions);
@@ -358,8 +357,7 @@ impl FaceInterface {
         }
         let mut all = positions.to_vec();
         for (k, points) in by_face.iter().enumerate() {
-            let corners = self.faces[k].corners().len();
-            all.extend(points.iter().map(|point| self.skin.position(k, corners, point.natural, positions)));
+            all.extend(points.iter().map(|point| self.skin.position(k, point.natural, positions)));
         }
         let facets: Vec<u32> = by_face.iter().flatten().map(|point| point.facet).collect();
         let report = self.interface.pair_points(all, positions.len(), &facets)?;

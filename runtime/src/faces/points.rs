@@ -59,7 +59,7 @@ impl FaceInterface {
             }
             points.push(IntegrationPoint {
                 face,
-                position: self.skin.position(face, corners.len(), point.natural, &self.positions),
+                position: self.skin.position(face, point.natural, &self.positions),
                 area: point.weight,
                 gap: contact.point.gap,
                 normal: contact.point.normal,

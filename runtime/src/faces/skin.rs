@@ -34,6 +34,7 @@ pub struct Skin {
 /// One face.
 #[derive(Clone, Debug, Default)]
 pub struct SkinFace {
+    corners: usize,
     /// Nodes that carry it, and images of them, ascending.
     pub carriers: Vec<Carrier>,
     /// What each of them has of the points of interpolation: corners, middles of edges, centre.
@@ -42,8 +43,8 @@ pub struct SkinFace {
 
 impl SkinFace {
     /// What each carrier has of the point at natural coordinates.
-    pub fn weights(&self, corners: usize, natural: [f64; 2]) -> impl Iterator<Item = f64> + '_ {
-        let functions = quadratic(corners, natural);
+    pub fn weights(&self, natural: [f64; 2]) -> impl Iterator<Item = f64> + '_ {
+        let functions = quadratic(self.corners, natural);
         self.terms.iter().map(move |terms| terms.iter().zip(&functions).map(|(term, n)| term * n).sum())
     }
 
@@ -72,7 +73,7 @@ impl Skin {
     }
 
     /// The position of a face's point.
-    pub fn position(&self, face: usize, corners: usize, natural: [f64; 2], positions: &[Point]) -> Point {
+    pub fn position(&self, face: usize, natural: [f64; 2], positions: &[Point]) -> Point {
         let face = &self.faces[face];
         let place = |carrier: Carrier| {
             let x = positions[carrier.node as usize];
@@ -84,7 +85,7 @@ impl Skin {
         let offset = face
             .carriers
             .iter()
-            .zip(face.weights(corners, natural))
+            .zip(face.weights(natural))
             .fold(Vector3::zeros(), |sum, (&carrier, weight)| sum + (place(carrier) - origin) * weight);
         (origin + offset).into()
     }
@@ -182,12 +183,12 @@ impl Skin {
     fn of(faces: &[Facet], fit: impl Fn(usize) -> Option<Vec<(Carrier, f64)>>) -> Self {
         let (mut skin, mut number) = (Self::default(), 0);
         for facet in faces {
-            let mut face = SkinFace::default();
+            let mut face = SkinFace { corners: facet.corners().len(), ..SkinFace::default() };
             for (k, &corner) in facet.corners().iter().enumerate() {
                 face.add(Carrier::from(corner as u32), k, 1.0);
             }
             for (k, middle) in between(facet).iter().enumerate() {
-                let point = facet.corners().len() + k;
+                let point = face.corners + k;
                 if let Some(weights) = fit(number) {
                     weights.into_iter().for_each(|(carrier, weight)| face.add(carrier, point, weight));
                 } else {

@@ -8,7 +8,7 @@ use crate::interface::{
     ContactElement, ContactInterface, InterfaceError, InterfaceOptions, areas_of, check_slaves,
 };
 use crate::neighbourhood::NeighbourRule;
-use crate::surface::{Facet, MasterSurface, OwnSurface, SymmetryPlane, shape_of};
+use crate::surface::{Facet, MasterSurface, OwnSurface, SymmetryPlane, shape_of, sort};
 
 impl FaceInterface {
     /// An interface without points: until the first [`refresh`](Self::refresh) or [`update`](Self::update) there is no contact.
@@ -181,7 +181,6 @@ fn skin_of(
 /// The corners of faces, ascending, each once.
 pub(super) fn nodes_of(faces: &[Facet]) -> Vec<usize> {
     let mut nodes: Vec<usize> = faces.iter().flat_map(|face| face.corners()).copied().collect();
-    nodes.sort_unstable();
-    nodes.dedup();
+    sort(&mut nodes);
     nodes
 }

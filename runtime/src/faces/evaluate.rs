@@ -9,13 +9,13 @@ use super::contacts::{FaceContacts, FacePart, FrictionBlock, NodeBlock, NodeCont
 use super::cut::FacePoint;
 use super::friction::Traction;
 use super::track::Track;
-use super::{FaceCut, FaceInterface, FacePressures, sort};
+use super::{FaceCut, FaceInterface, FacePressures};
 use crate::Mode;
 use crate::assembly::{AssemblyError, ContactLaw};
 use crate::friction::NormalForce;
 use crate::interface::{ContactRef, InterfaceError, NoContact, Outcome, Results, Second};
 use crate::neighbourhood::Fallback;
-use crate::surface::{Facet, shape_of};
+use crate::surface::{Facet, shape_of, sort};
 use crate::vector::Vector3;
 
 /// Nodes with less than this part of their area over the master carry nothing.

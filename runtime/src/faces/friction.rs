@@ -18,14 +18,14 @@ use super::evaluate::{Averages, PointStates};
 use super::quadratic::Carrying;
 use super::track::Track;
 use super::window::Side;
-use super::{FaceInterface, FacePressures, sort};
+use super::{FaceInterface, FacePressures};
 use crate::affine::Carrier;
 use crate::assembly::{AssemblyError, ContactLaw};
 use crate::friction::{Coulomb, FaceTraction, FrictionState, Sliding};
 use crate::interface::{
     Anchor, FrictionReport, InterfaceError, NoContact, Outcome, Results, from_numbers, to_numbers,
 };
-use crate::surface::shape_of;
+use crate::surface::{shape_of, sort};
 use crate::vector::Vector3;
 use crate::{AffinePoint, Mode, Point};
 

@@ -95,7 +95,7 @@ use window::FaceWindow;
 
 use crate::assembly::ContactLaw;
 use crate::interface::{ContactInterface, InterfaceError, InterfaceOptions, NoContact};
-use crate::surface::{Facet, MasterSurface, OwnSurface, SurfaceIndex, check_position, shape_of};
+use crate::surface::{Facet, MasterSurface, OwnSurface, SurfaceIndex, check_position, shape_of, sort};
 use crate::vector::Vector3;
 use crate::with::with;
 use crate::{Mode, Point};
@@ -503,10 +503,4 @@ impl FaceInterface {
         law.validate(self.nodes.len())?;
         if self.cut_at.is_none() { Err(InterfaceError::NotRefreshed) } else { Ok(()) }
     }
-}
-
-/// Ascending, each once.
-fn sort(nodes: &mut Vec<u32>) {
-    nodes.sort_unstable();
-    nodes.dedup();
 }

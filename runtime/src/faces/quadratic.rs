@@ -9,7 +9,7 @@ use std::collections::HashMap;
 use super::FaceRule;
 use super::carried::{Carried, carried, carried_by_quadratic};
 use crate::interface::InterfaceError;
-use crate::surface::{Facet, MasterSurface, Shape, SurfaceError, shape_of};
+use crate::surface::{Facet, MasterSurface, Shape, SurfaceError, shape_of, sort};
 use crate::vector::Vector3;
 use crate::{Mode, Point};
 
@@ -189,13 +189,10 @@ impl Carriers {
         let faces: Vec<Carrying> = faces.iter().map(|&face| of(face)).collect();
         let facets: Vec<Carrying> = (0..master.facet_count()).map(|facet| of(master.facet(facet))).collect();
         let mut nodes: Vec<usize> = faces.iter().chain(&facets).flat_map(Carrying::nodes).copied().collect();
-        nodes.sort_unstable();
-        nodes.dedup();
+        sort(&mut nodes);
         Self { faces, facets, nodes }
     }
-}
 
-impl Carriers {
     /// The rule that a uniform pressure needs between a face and a facet: the shape functions of quadrilaterals with 8 and 9 nodes have
     /// the third and fourth degree.
     pub fn rule(&self, (face, facet): (usize, u32), wanted: FaceRule) -> FaceRule {

@@ -4,6 +4,7 @@ use rayon::prelude::*;
 
 use super::auxiliary::{Auxiliary, AuxiliaryKind};
 use super::sheets::Sheets;
+use super::sort;
 use super::symmetry::Symmetry;
 use crate::eigen::symmetric_eigen;
 use crate::vector::Vector3;
@@ -35,8 +36,7 @@ impl Sheets<'_> {
                     .copied()
                     .filter(|&other| other as usize != place)
                     .collect();
-                others.sort_unstable();
-                others.dedup();
+                sort(&mut others);
                 let mut ends: Vec<Vector3> =
                     others.iter().map(|&other| positions[other as usize].into()).collect();
                 // A narrow strip goes on to its ghost nodes.
@@ -49,8 +49,7 @@ impl Sheets<'_> {
                     .map(|(_, point)| point)
                     .filter(|point| point.kind != AuxiliaryKind::Middle)
                     .collect();
-                ghosts.sort_unstable();
-                ghosts.dedup();
+                sort(&mut ghosts);
                 let of_ends = |point: &Auxiliary| point.ends.map(|end| positions[nodes.place(end)]);
                 ends.extend(ghosts.iter().map(|point| Vector3::from(point.position(of_ends(point)))));
                 // In planes of symmetry cells go on as their images.

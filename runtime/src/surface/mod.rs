@@ -102,6 +102,12 @@ impl Facet {
     }
 }
 
+/// Ascending, each once.
+pub(crate) fn sort<T: Ord>(numbers: &mut Vec<T>) {
+    numbers.sort_unstable();
+    numbers.dedup();
+}
+
 impl AsRef<[usize]> for Facet {
     fn as_ref(&self) -> &[usize] {
         self.corners()

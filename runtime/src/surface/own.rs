@@ -20,7 +20,7 @@ use rayon::prelude::*;
 use super::index::Closest;
 use super::shape::Foot;
 use super::topology::NONE;
-use super::{MasterSurface, NodalDomains, Shape, SurfaceIndex};
+use super::{MasterSurface, NodalDomains, Shape, SurfaceIndex, sort};
 use crate::vector::Vector3;
 use crate::{ContactPoint, Point};
 
@@ -292,11 +292,8 @@ fn facets_around(surface: &MasterSurface, place: usize) -> Vec<u32> {
     let mut facets: Vec<u32> = surface.facets_of_place(place).to_vec();
     for _ in 1..RINGS {
         let corners = facets.iter().flat_map(|&facet| surface.corners_of(facet as usize));
-        let mut next: Vec<u32> =
-            corners.flat_map(|&corner| surface.facets_of_place(corner as usize)).copied().collect();
-        next.sort_unstable();
-        next.dedup();
-        facets = next;
+        facets = corners.flat_map(|&corner| surface.facets_of_place(corner as usize)).copied().collect();
+        sort(&mut facets);
     }
     facets
 }

@@ -5,7 +5,7 @@ use std::ops::Range;
 
 use super::auxiliary::{Auxiliary, Rung, rungs};
 use super::topology::NONE;
-use super::{Creases, MasterSurface, SurfaceIndex, Symmetry};
+use super::{Creases, MasterSurface, SurfaceIndex, Symmetry, sort};
 
 /// The sheet nodes of a surface: of each node one for every run of facets around it that is not parted by the end of a sheet. Auxiliary points
 /// have the numbers after those of sheet nodes.
@@ -38,8 +38,7 @@ impl SheetNodes {
                 nodes.auxiliary.extend(rung.points(nodes.ends_of_edge(surface, facet, edge)));
             }
         }
-        nodes.auxiliary.sort_unstable();
-        nodes.auxiliary.dedup();
+        sort(&mut nodes.auxiliary);
         Self { of_edges, ..nodes }
     }
 

@@ -67,7 +67,7 @@ use super::domains::NodalDomains;
 pub use super::extents::Extents;
 use super::sheet_nodes::ends;
 use super::topology::NONE;
-use super::{Carried, Creases, Facet, Listed, MasterSurface, SymmetryPlane};
+use super::{Carried, Creases, Facet, Listed, MasterSurface, SymmetryPlane, sort};
 use crate::{Basis, MaterialDomain, Point, Weight};
 
 /// A box: its lowest and its highest corner.
@@ -226,12 +226,6 @@ pub(crate) fn check_boxes(boxes: &[Box3], skin: f64) -> Result<(), WindowError> 
     let is_skin = skin >= 0.0 && skin.is_finite();
     let place = if is_skin { boxes.iter().position(|own| !is_box(own)) } else { Some(0) };
     place.map_or(Ok(()), |place| Err(WindowError::InvalidBox { place, skin }))
-}
-
-/// Ascending, each once.
-fn sort<T: Ord>(numbers: &mut Vec<T>) {
-    numbers.sort_unstable();
-    numbers.dedup();
 }
 
 impl Window {

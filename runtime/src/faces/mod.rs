@@ -298,10 +298,7 @@ impl FaceInterface {
     }
 
     fn check_positions(&self, positions: &[Point]) -> Result<(), InterfaceError> {
-        let (found, expected) = (positions.len(), self.first.len());
-        if found != expected {
-            return Err(InterfaceError::WrongNumberOfPositions { found, expected });
-        }
+        InterfaceError::check_count(positions, self.first.len())?;
         self.master().check_positions(positions)?;
         let mut nodes = self.nodes.iter().chain(&self.carriers.nodes);
         Ok(nodes.try_for_each(|&node| check_position(positions, node))?)

@@ -112,10 +112,7 @@ impl FaceInterface {
             return Err(InterfaceError::OtherThanWindow { what: "symmetry of the slave" });
         }
         let offset = master.nodes().len();
-        let (found, expected) = (positions.len(), offset + slave.nodes().len());
-        if found != expected {
-            return Err(InterfaceError::WrongNumberOfPositions { found, expected });
-        }
+        InterfaceError::check_count(positions, offset + slave.nodes().len())?;
         let interface = ContactInterface::in_window(master, Vec::new(), &[], positions, own)?;
         let skin = Skin::in_window(slave, offset, &own)?;
         let faces: Vec<Facet> = slave.core_facets().map(|(_, face)| moved(&face, offset)).collect();

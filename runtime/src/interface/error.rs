@@ -1,9 +1,9 @@
 //! What the caller of an interface has to mend.
 
-use crate::ElementError;
 use crate::assembly::AssemblyError;
 use crate::neighbourhood::NeighbourhoodError;
 use crate::surface::{SurfaceError, WindowError};
+use crate::{ElementError, Point};
 
 /// Every reason for which an interface cannot be made, paired or evaluated. That a single slave has no contact is none of them, but an
 /// [`Outcome`](super::Outcome). A slave's `index` is its place in the list of slaves.
@@ -99,6 +99,12 @@ pub enum InterfaceError {
 }
 
 impl InterfaceError {
+    /// Whether there are as many positions as there were at first.
+    pub(crate) fn check_count(positions: &[Point], expected: usize) -> Result<(), Self> {
+        let found = positions.len();
+        if found == expected { Ok(()) } else { Err(Self::WrongNumberOfPositions { found, expected }) }
+    }
+
     /// Stable machine-readable code.
     pub const fn code(&self) -> &'static str {
         match self {

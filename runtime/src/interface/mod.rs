@@ -194,10 +194,7 @@ impl ContactInterface {
 
     /// Whether an update may take over these positions.
     fn check_positions(&self, positions: &[Point]) -> Result<(), InterfaceError> {
-        let (found, expected) = (positions.len(), self.positions.len());
-        if found != expected {
-            return Err(InterfaceError::WrongNumberOfPositions { found, expected });
-        }
+        InterfaceError::check_count(positions, self.positions.len())?;
         self.master.check_positions(positions)?;
         Ok(self.slaves().iter().try_for_each(|&node| check_position(positions, node))?)
     }

@@ -463,10 +463,7 @@ impl SurfacePart {
     /// [`InterfaceError::WrongNumberOfPositions`].
     pub fn window(&self, positions: &[Point], boxes: &[Box3], skin: f64) -> Result<Window, InterfaceError> {
         check_boxes(boxes, skin)?;
-        let (found, expected) = (positions.len(), self.callers);
-        if found != expected {
-            return Err(InterfaceError::WrongNumberOfPositions { found, expected });
-        }
+        InterfaceError::check_count(positions, self.callers)?;
         let Stage::Settled(domains) = &self.stage else {
             return Err(WindowError::Invalid { what: "domain", place: 0 }.into());
         };

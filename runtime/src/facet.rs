@@ -4,7 +4,7 @@
 //! facet's border, on its extension: [`FacetPoint::natural`] tells, and [`FacetElement::contains`] with it. The normal
 //! jumps from facet to facet; the diffuse element ([`Element`](crate::Element)) is there to avoid that.
 
-use diffuse_contact_kernels::support::{FacetFigures, RootSolution};
+use diffuse_contact_kernels::support::{FacetFigures, RootSolution, packed_row};
 use diffuse_contact_kernels::{
     gap_over_quadrilateral, gap_over_triangle, slip_over_quadrilateral, slip_over_triangle,
 };
@@ -85,13 +85,10 @@ impl Generated {
     /// [`ElementError::CentreOfCurvature`], [`ElementError::Overflow`].
     pub fn facet_gap(&self, element: &FacetElement<'_>, mode: Mode) -> Result<Gap, ElementError> {
         element.validate()?;
-        let freedoms = element.degrees_of_freedom();
-        let mut gradient = if mode >= Mode::Gradient { vec![0.0; freedoms] } else { Vec::new() };
-        let size = if mode >= Mode::Hessian { freedoms } else { 0 };
-        let mut hessian = SymmetricMatrix::zeros(size);
-        let ContactPoint { gap, foot, normal } =
-            run(element, mode, &mut gradient, hessian.packed_mut())?.point;
-        Ok(Gap { gap, foot, normal, coefficients: Vec::new(), gradient, hessian })
+        let mut room = Gap::room(mode, element.degrees_of_freedom());
+        let found = run(element, mode, &mut room.gradient, room.hessian.packed_mut())?;
+        let ContactPoint { gap, foot, normal } = found.point;
+        Ok(Gap { gap, foot, normal, ..room })
     }
 
     /// [`facet_gap`](Self::facet_gap) without allocation: N into `gradient`, 3(n+1) entries, and the packed lower
@@ -148,9 +145,7 @@ impl Generated {
             slip.foot_weights = foot_weights(&contact.gradient, contact.normal).collect();
         }
         if mode >= Mode::Hessian {
-            slip.hessian = SymmetricMatrix::zeros(freedoms);
-            let packed = slip.hessian.packed_mut();
-            packed.copy_from_slice(&numbers.hessian[..packed.len()]);
+            slip.hessian = SymmetricMatrix::of(freedoms, &numbers.hessian[..packed_row(freedoms)]);
         }
         Ok(Slip { contact, ..slip })
     }

@@ -23,11 +23,9 @@ use diffuse_contact_kernels::support::{Isa, KernelSet, SecondKind, Vector, WithL
 
 use crate::batch::{Asked, gap_batch};
 use crate::facet::foot_weights;
-use crate::kernels::{frame_rule, inputs};
-use crate::weight::with_kernels;
 use crate::{
-    BatchScratch, ContactPoint, Element, ElementError, FacetElement, GapSlot, Generated, GeneratedWith,
-    HessianForm, Mode, Weight,
+    BatchScratch, ContactPoint, Element, ElementError, FacetElement, GapFactors, GapSlot, Generated,
+    GeneratedWith, HessianForm, Mode,
 };
 
 /// The foot of one element with first derivatives.
@@ -56,9 +54,9 @@ pub struct FootSlot<'a> {
 
 impl FootDerivatives {
     /// Room for so many masters.
-    pub(crate) fn zeros(masters: usize) -> Self {
+    pub(crate) fn zeros(point: ContactPoint, masters: usize) -> Self {
         let rows = vec![0.0; 9 * (masters + 1)];
-        Self { point: ContactPoint::default(), weights: vec![0.0; masters], foot: rows.clone(), normal: rows }
+        Self { point, weights: vec![0.0; masters], foot: rows.clone(), normal: rows }
     }
 
     pub(crate) fn slot(&mut self) -> FootSlot<'_> {
@@ -188,9 +186,8 @@ impl Generated {
         element: &FacetElement<'_>,
     ) -> Result<FootDerivatives, ElementError> {
         let gap = self.facet_gap(element, Mode::Hessian)?;
-        let mut all = FootDerivatives::zeros(element.corners.len());
-        all.point = ContactPoint { gap: gap.gap, foot: gap.foot, normal: gap.normal };
-        let point = all.point;
+        let point = gap.point();
+        let mut all = FootDerivatives::zeros(point, element.corners.len());
         facet_foot_derivatives(&point, &gap.gradient, gap.hessian.packed(), &mut all.slot())?;
         Ok(all)
     }
@@ -217,24 +214,12 @@ pub(crate) fn facet_foot_derivatives(
     target.complete(point, gradient)
 }
 
-/// [`Backend::foot_derivatives`](crate::Backend::foot_derivatives) of the generated kernels.
-pub(crate) fn of_element(element: &Element<'_>) -> Result<FootDerivatives, ElementError> {
-    with_kernels!(element.weight, K => of_element_with::<K>(element))
-}
-
-/// The same with the kernels of `K`.
-pub(crate) fn of_element_with<K: KernelSet>(element: &Element<'_>) -> Result<FootDerivatives, ElementError> {
-    let form = GeneratedWith::<K>::new().hessian_form(element)?;
-    let mut gradient = vec![0.0; form.degrees_of_freedom()];
-    let mut numbers = vec![0.0; form.foot_numbers()];
-    let kernel = (element.basis, frame_rule(element.frame.derivative, &element.domains));
-    let inputs = inputs::<K>(element, [0.0; 2]);
-    let kind = SecondKind::FactorsAndFoot;
-    let values = K::gap_factors(K::best_isa(), kernel, kind, &inputs, &mut gradient, &mut numbers);
-    ElementError::check(values.status())?;
-    let mut all = FootDerivatives::zeros(element.masters.len());
-    all.point = ContactPoint { gap: values.gap, foot: values.foot, normal: values.normal };
-    let point = all.point;
-    form.foot_derivatives(&point, &gradient, &numbers, &mut all.slot())?;
+/// [`Backend::foot_derivatives`](crate::Backend::foot_derivatives) with the kernels of `K`.
+pub(crate) fn of_element<K: KernelSet>(element: &Element<'_>) -> Result<FootDerivatives, ElementError> {
+    let (kernels, kind) = (GeneratedWith::<K>::new(), SecondKind::FactorsAndFoot);
+    let GapFactors { point, gradient, hessian } =
+        kernels.with_numbers(element, kind, HessianForm::foot_numbers)?;
+    let mut all = FootDerivatives::zeros(point, element.masters.len());
+    hessian.form().foot_derivatives(&point, &gradient, hessian.numbers(), &mut all.slot())?;
     Ok(all)
 }

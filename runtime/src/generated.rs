@@ -27,7 +27,7 @@ impl Backend for Generated {
     }
 
     fn foot_derivatives(&self, element: &Element<'_>) -> Result<FootDerivatives, ElementError> {
-        foot::of_element(element)
+        with_kernels!(element.weight, K => GeneratedWith::<K>::new().foot_derivatives(element))
     }
 
     fn slip(&self, element: &Element<'_>, anchor: Point, mode: Mode) -> Result<Slip, ElementError> {
@@ -75,15 +75,13 @@ impl<K: KernelSet + Sync> Backend for GeneratedWith<K> {
 
     fn gap(&self, element: &Element<'_>, mode: Mode) -> Result<Gap, ElementError> {
         validate::<K>(element)?;
-        let mut buffers = Buffers::new(element, mode, 1, 1);
-        let values = run_gap::<K>(element, mode, &mut buffers.gradients, &mut buffers.hessians)?;
-        let (gradient, hessian) = (buffers.gradients().pop(), buffers.hessians().pop());
-        let (gradient, hessian) = (gradient.unwrap_or_default(), hessian.unwrap_or_default());
+        let Gap { mut gradient, mut hessian, .. } = Gap::room(mode, element.degrees_of_freedom());
+        let values = run_gap::<K>(element, mode, &mut gradient, hessian.packed_mut())?;
         Ok(Gap { gradient, hessian, ..gap_of(element, &values) })
     }
 
     fn foot_derivatives(&self, element: &Element<'_>) -> Result<FootDerivatives, ElementError> {
-        foot::of_element_with::<K>(element)
+        foot::of_element::<K>(element)
     }
 
     fn slip(&self, element: &Element<'_>, anchor: Point, mode: Mode) -> Result<Slip, ElementError> {
@@ -140,11 +138,6 @@ fn slip_of(
     [gradients, hessians]: [&[f64]; 2],
 ) -> Slip {
     let freedoms = element.degrees_of_freedom();
-    let matrix = |size: usize, packed: &[f64]| {
-        let mut matrix = SymmetricMatrix::zeros(size);
-        matrix.packed_mut().copy_from_slice(packed);
-        matrix
-    };
     let mut slip = Slip { contact: gap_of(element, values), half_square: values.slip, ..Slip::default() };
     if mode >= Mode::Gradient {
         let (gap, rest) = gradients.split_at(freedoms);
@@ -155,8 +148,8 @@ fn slip_of(
     }
     if mode >= Mode::Hessian {
         let (gap, of_slip) = hessians.split_at(packed_row(freedoms));
-        slip.contact.hessian = matrix(freedoms, gap);
-        slip.hessian = matrix(freedoms + 3, of_slip);
+        slip.contact.hessian = SymmetricMatrix::of(freedoms, gap);
+        slip.hessian = SymmetricMatrix::of(freedoms + 3, of_slip);
     }
     slip
 }
@@ -216,7 +209,7 @@ impl Buffers {
     fn new(element: &Element<'_>, mode: Mode, gradients: usize, hessians: usize) -> Self {
         let freedoms = element.degrees_of_freedom();
         let gradients = if mode >= Mode::Gradient { gradients * freedoms } else { 0 };
-        let hessians = if mode >= Mode::Hessian { hessians * (freedoms * (freedoms + 1) / 2) } else { 0 };
+        let hessians = if mode >= Mode::Hessian { hessians * packed_row(freedoms) } else { 0 };
         Self { freedoms, gradients: vec![0.0; gradients], hessians: vec![0.0; hessians] }
     }
 
@@ -225,14 +218,7 @@ impl Buffers {
     }
 
     fn hessians(&self) -> Vec<SymmetricMatrix> {
-        let packed = self.freedoms * (self.freedoms + 1) / 2;
-        self.hessians
-            .chunks_exact(packed)
-            .map(|chunk| {
-                let mut matrix = SymmetricMatrix::zeros(self.freedoms);
-                matrix.packed_mut().copy_from_slice(chunk);
-                matrix
-            })
-            .collect()
+        let packed = self.hessians.chunks_exact(packed_row(self.freedoms));
+        packed.map(|packed| SymmetricMatrix::of(self.freedoms, packed)).collect()
     }
 }

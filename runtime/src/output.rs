@@ -1,6 +1,6 @@
 //! What an element returns.
 
-use crate::Point;
+use crate::{Mode, Point};
 
 /// A symmetric matrix of which the lower triangle is stored row by row: entry (i, j ≤ i) at i(i+1)/2 + j.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -13,6 +13,11 @@ impl SymmetricMatrix {
     /// A zero matrix with `size` rows.
     pub fn zeros(size: usize) -> Self {
         Self { size, packed: vec![0.0; size * (size + 1) / 2] }
+    }
+
+    /// The matrix with this lower triangle.
+    pub(crate) fn of(size: usize, packed: &[f64]) -> Self {
+        Self { size, packed: packed.to_vec() }
     }
 
     /// Number of rows; 0 when no Hessian was asked for.
@@ -130,6 +135,18 @@ impl Slip {
 }
 
 impl Gap {
+    /// Room for the derivatives that a mode asks for, by so many coordinates.
+    pub(crate) fn room(mode: Mode, freedoms: usize) -> Self {
+        let gradient = vec![0.0; if mode >= Mode::Gradient { freedoms } else { 0 }];
+        let hessian = SymmetricMatrix::zeros(if mode >= Mode::Hessian { freedoms } else { 0 });
+        Self { gradient, hessian, ..Self::default() }
+    }
+
+    /// Without derivatives.
+    pub(crate) const fn point(&self) -> ContactPoint {
+        ContactPoint { gap: self.gap, foot: self.foot, normal: self.normal }
+    }
+
     /// Whether the slave penetrates, g < 0. Penalty forces act only then; [`contact_force`](Self::contact_force) and
     /// [`tangent`](Self::tangent) evaluate (33) and (43) for either sign and leave the choice to the caller.
     pub fn is_penetrating(&self) -> bool {

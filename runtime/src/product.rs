@@ -53,12 +53,6 @@ pub struct GapFactors {
 }
 
 impl HessianForm {
-    /// That of an element with these kernels.
-    pub(crate) fn of<K: KernelSet>(element: &Element<'_>) -> Self {
-        let frame = frame_rule(element.frame.derivative, &element.domains);
-        Self(K::gap_form((element.basis, frame), element.masters.len()))
-    }
-
     pub(crate) const fn rows(self) -> FormRows {
         self.0
     }
@@ -164,12 +158,21 @@ impl<K: KernelSet> GeneratedWith<K> {
     /// # Errors
     /// As [`Backend::gap`](crate::Backend::gap).
     pub fn gap_factors(&self, element: &Element<'_>) -> Result<GapFactors, ElementError> {
+        self.with_numbers(element, SecondKind::Factors, HessianForm::numbers)
+    }
+
+    /// Gap, N and numbers of this kind for M; `count`: how many a form has.
+    pub(crate) fn with_numbers(
+        &self,
+        element: &Element<'_>,
+        kind: SecondKind,
+        count: fn(HessianForm) -> usize,
+    ) -> Result<GapFactors, ElementError> {
         let form = self.hessian_form(element)?;
-        let (mut gradient, mut numbers) = (vec![0.0; form.degrees_of_freedom()], vec![0.0; form.numbers()]);
+        let (mut gradient, mut numbers) = (vec![0.0; form.degrees_of_freedom()], vec![0.0; count(form)]);
         let kernel = (element.basis, frame_rule(element.frame.derivative, &element.domains));
         let inputs = inputs::<K>(element, [0.0; 2]);
-        let values =
-            K::gap_factors(K::best_isa(), kernel, SecondKind::Factors, &inputs, &mut gradient, &mut numbers);
+        let values = K::gap_factors(K::best_isa(), kernel, kind, &inputs, &mut gradient, &mut numbers);
         let point = contact_point(&values)?;
         Ok(GapFactors { point, gradient, hessian: HessianFactors { form, numbers } })
     }
@@ -180,7 +183,8 @@ impl<K: KernelSet> GeneratedWith<K> {
     /// As [`Backend::gap`](crate::Backend::gap), for input that is refused.
     pub fn hessian_form(&self, element: &Element<'_>) -> Result<HessianForm, ElementError> {
         validate::<K>(element)?;
-        Ok(HessianForm::of::<K>(element))
+        let frame = frame_rule(element.frame.derivative, &element.domains);
+        Ok(HessianForm(K::gap_form((element.basis, frame), element.masters.len())))
     }
 
     /// As [`Generated::gap_factors_batch`], with the kernels of `K` for all elements.

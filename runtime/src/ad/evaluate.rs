@@ -11,8 +11,8 @@ use super::model::Model;
 use super::plane::{AveragePlane, Turn};
 use super::{RadialWeight, coordinates_of, finite};
 use crate::{
-    Basis, Coefficients, ContactPoint, Domains, Element, ElementError, FootDerivatives, FrameDerivative, Gap,
-    Mode, Point, Slip, Surface,
+    Basis, Coefficients, Domains, Element, ElementError, FootDerivatives, FrameDerivative, Gap, Mode, Point,
+    Slip, Surface,
 };
 
 /// [`Backend::coefficients`](crate::Backend::coefficients).
@@ -104,12 +104,7 @@ pub(super) fn foot_derivatives<W: RadialWeight>(
         all.scale(3 + k, element.support_radius, 0)?;
     }
     let (foot, normal) = all.gradients.split_at(3);
-    Ok(FootDerivatives {
-        point: ContactPoint { gap: contact.gap, foot: contact.foot, normal: contact.normal },
-        weights,
-        foot: foot.concat(),
-        normal: normal.concat(),
-    })
+    Ok(FootDerivatives { point: contact.point(), weights, foot: foot.concat(), normal: normal.concat() })
 }
 
 /// The gap, and what follows plane and foot through dual numbers.

@@ -17,7 +17,7 @@ use crate::assembly::{AssemblyError, ContactLaw};
 use crate::friction::{FrictionForce, FrictionState};
 use crate::scratch::Pool;
 use crate::surface::Symmetry;
-use crate::{AffinePoint, Backend, ContactPoint, FacetElement, Gap, Generated, Mode, Point, Slip, Weight};
+use crate::{AffinePoint, Backend, FacetElement, Generated, Mode, Point, Slip, Weight};
 
 /// What friction did in a step that was accepted, in numbers of slaves, and its work.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -347,8 +347,7 @@ impl Evaluator<'_> {
         let found = self.gather_one(paired, weight, all)?;
         let element = self.element_of(paired, all, &found, weight);
         let slip = Generated.slip(&element, from, Mode::Gradient)?;
-        let Gap { gap, foot, normal, .. } = slip.contact;
-        self.within_border(paired, Ok(ContactPoint { gap, foot, normal }), border)?;
+        self.within_border(paired, Ok(slip.contact.point()), border)?;
         let points = all.sources[found.range].iter().map(|source| source.point(paired.masters));
         let terms = points.zip(&slip.foot_weights).flat_map(|(point, weight)| {
             point.carriers().map(move |(carrier, part)| (carrier, part * weight))
@@ -380,8 +379,7 @@ impl Evaluator<'_> {
             return Some(Round { anchor: Some(old.clone()), error: 0.0 });
         }
         let foot = slave.foot()?;
-        let Gap { gap, foot: at, normal, .. } = slave.slip.contact;
-        let at = ContactPoint { gap, foot: at, normal };
+        let at = slave.slip.contact.point();
         let slip_from = |point: &AffinePoint| self.slip_from(point, &at);
         let sliding = force.sliding();
         let error = sliding.error(slip_from(&old.point), slip_from(old.stuck_at()));

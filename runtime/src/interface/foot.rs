@@ -227,7 +227,7 @@ fn by_points(
     gradient: &[f64],
     second: &[f64],
 ) -> Result<FootDerivatives, ElementError> {
-    let mut all = FootDerivatives::zeros(contact.points);
+    let mut all = FootDerivatives::zeros(contact.point, contact.points);
     let point = &contact.point;
     match contact.second {
         SecondForm::Factors(form) => form.foot_derivatives(point, gradient, second, &mut all.slot())?,

@@ -28,46 +28,43 @@ impl Evaluator<'_> {
         scratch: &mut ElementScratch,
     ) -> Result<PairedElement, NoContact> {
         let slave = self.positions[paired.slave];
-        Ok(match self.options.element {
-            ContactElement::Diffuse { weight, .. } if self.nodal.is_some() => {
-                let points = self.points_within_reach(paired, weight, scratch)?;
-                let other = |point: &FitPoint| {
-                    let (node, part) = point.other();
-                    (node as usize, part)
-                };
-                let mut others: Vec<(usize, f64)> = points.sources.iter().map(other).collect();
-                if others.iter().all(|&(_, part)| part == 0.0) {
-                    others.clear();
-                }
-                let pairing = Pairing {
-                    masters: points.sources.iter().map(|point| point.node() as usize).collect(),
-                    others,
-                    positions: points.positions,
-                    frame: points.frame,
-                    support_radius: points.unit,
-                    material: points.nodes,
-                    basis: paired.record.basis,
-                    weight,
-                };
-                PairedElement::Diffuse { slave, pairing }
+        let ContactElement::Diffuse { weight, .. } = self.options.element else {
+            let corners = self.gather_corners(paired, scratch).to_vec();
+            return Ok(PairedElement::Facet { slave, corners });
+        };
+        let basis = paired.record.basis;
+        let pairing = if self.nodal.is_some() {
+            let points = self.points_within_reach(paired, weight, scratch)?;
+            let other = |point: &FitPoint| {
+                let (node, part) = point.other();
+                (node as usize, part)
+            };
+            let mut others: Vec<(usize, f64)> = points.sources.iter().map(other).collect();
+            if others.iter().all(|&(_, part)| part == 0.0) {
+                others.clear();
             }
-            ContactElement::Diffuse { weight, .. } => {
-                let (frame, positions) = self.frame(paired, scratch)?;
-                let pairing = Pairing {
-                    masters: paired.masters.iter().map(|&node| node as usize).collect(),
-                    others: Vec::new(),
-                    positions: positions.to_vec(),
-                    frame,
-                    support_radius: paired.record.support_radius,
-                    material: Vec::new(),
-                    basis: paired.record.basis,
-                    weight,
-                };
-                PairedElement::Diffuse { slave, pairing }
+            Pairing {
+                masters: points.sources.iter().map(|point| point.node() as usize).collect(),
+                others,
+                positions: points.positions,
+                frame: points.frame,
+                support_radius: points.unit,
+                material: points.nodes,
+                basis,
+                weight,
             }
-            ContactElement::NodeToFacet => {
-                PairedElement::Facet { slave, corners: self.gather_corners(paired, scratch).to_vec() }
+        } else {
+            Pairing {
+                masters: paired.masters.iter().map(|&node| node as usize).collect(),
+                others: Vec::new(),
+                frame: self.current_frame(paired)?,
+                positions: self.gather(paired, scratch).to_vec(),
+                support_radius: paired.record.support_radius,
+                material: Vec::new(),
+                basis,
+                weight,
             }
-        })
+        };
+        Ok(PairedElement::Diffuse { slave, pairing })
     }
 }

@@ -124,34 +124,27 @@ impl Evaluator<'_> {
         scratch: &mut ElementScratch,
     ) -> Result<ContactPoint, NoContact> {
         let slave = self.positions[paired.slave];
-        let (point, beyond) = match self.options.element {
-            ContactElement::Diffuse { weight, .. } => {
-                let (frame, masters) = self.frame(paired, scratch)?;
-                let (support_radius, basis) = (paired.record.support_radius, paired.record.basis);
-                let element =
-                    Element::new(slave, masters, frame, support_radius).with_basis(basis).with_weight(weight);
-                let point = Generated.gap_into(&element, mode, gradient, hessian);
-                return self.within_border(paired, point, &mut scratch.border);
-            }
-            ContactElement::NodeToFacet => {
-                let element = FacetElement { slave, corners: self.gather_corners(paired, scratch) };
-                let found = Generated.facet_gap_into(&element, mode, gradient, hessian)?;
-                // Off its facet, the foot may lie over a neighbour or beyond the neighbour's end.
-                let beyond = if element.contains(found.natural, 0.0) {
-                    0.0
-                } else {
-                    let ElementScratch { corners, patch, border, .. } = scratch;
-                    corners.clear();
-                    corners.extend_from_slice(self.corners_of(paired));
-                    corners.sort_unstable();
-                    self.creases.patch(self.surface, paired.record.facet, corners, patch);
-                    self.creases.beyond(self.surface, self.positions, patch, found.point.foot, border)
-                };
-                (found.point, beyond)
-            }
-        };
-        self.check_border(beyond)?;
-        Ok(point)
+        if let ContactElement::Diffuse { weight, .. } = self.options.element {
+            let (frame, masters) = (self.current_frame(paired)?, self.gather(paired, scratch));
+            let (support_radius, basis) = (paired.record.support_radius, paired.record.basis);
+            let element =
+                Element::new(slave, masters, frame, support_radius).with_basis(basis).with_weight(weight);
+            let point = Generated.gap_into(&element, mode, gradient, hessian);
+            return self.within_border(paired, point, &mut scratch.border);
+        }
+        let element = FacetElement { slave, corners: self.gather_corners(paired, scratch) };
+        let found = Generated.facet_gap_into(&element, mode, gradient, hessian)?;
+        // Off its facet, the foot may lie over a neighbour or beyond the neighbour's end.
+        if !element.contains(found.natural, 0.0) {
+            let ElementScratch { corners, patch, border, .. } = scratch;
+            corners.clear();
+            corners.extend_from_slice(self.corners_of(paired));
+            corners.sort_unstable();
+            self.creases.patch(self.surface, paired.record.facet, corners, patch);
+            let foot = found.point.foot;
+            self.check_border(self.creases.beyond(self.surface, self.positions, patch, foot, border))?;
+        }
+        Ok(found.point)
     }
 
     /// The result of a diffuse element, if its foot lies on its patch.
@@ -189,7 +182,7 @@ impl Evaluator<'_> {
     }
 
     /// The facet of a pairing as it lies now.
-    fn facet(&self, paired: &Paired<'_>) -> Shape {
+    pub fn facet(&self, paired: &Paired<'_>) -> Shape {
         self.surface.shape(paired.record.facet as usize, self.positions)
     }
 
@@ -210,18 +203,8 @@ impl Evaluator<'_> {
         if let Some(frame) = paired.frame {
             return Ok(*frame);
         }
-        let facet = self.surface.shape(paired.record.facet as usize, self.positions);
-        Ok(Frame::average_plane_of(self.masters(paired).map(|x| (x, 1.0)), 0.0, facet.normal().into())?)
-    }
-
-    /// The frame of a diffuse element: the one that is held, or the average plane of the masters, outward where the
-    /// slave's facet is now. With it the masters' positions.
-    pub fn frame<'s>(
-        &self,
-        paired: &Paired<'_>,
-        scratch: &'s mut ElementScratch,
-    ) -> Result<(Frame, &'s [Point]), NoContact> {
-        Ok((self.current_frame(paired)?, self.gather(paired, scratch)))
+        let outward = self.facet(paired).normal().into();
+        Ok(Frame::average_plane_of(self.masters(paired).map(|x| (x, 1.0)), 0.0, outward)?)
     }
 
     /// The corners of a node-to-facet element's facet among the listed nodes.
@@ -254,16 +237,11 @@ impl Evaluator<'_> {
     }
 
     /// The frame that is held from now on for these masters, if frames are held.
-    pub fn held_frame(
-        &self,
-        paired: &Paired<'_>,
-        scratch: &mut ElementScratch,
-    ) -> Result<Option<Frame>, NoContact> {
+    pub fn held_frame(&self, paired: &Paired<'_>) -> Result<Option<Frame>, NoContact> {
         if !self.holds_frames() {
             return Ok(None);
         }
-        let moving = Paired { frame: None, ..*paired };
-        Ok(Some(self.frame(&moving, scratch)?.0.held()))
+        Ok(Some(self.current_frame(&Paired { frame: None, ..*paired })?.held()))
     }
 
     const fn holds_frames(&self) -> bool {

@@ -105,16 +105,7 @@ impl ContactInterface {
                 Creases::new(&index, self.options.feature_angle_degrees.to_radians(), &symmetry)
             }
         };
-        let evaluator = Evaluator {
-            surface: &self.master,
-            creases: &creases,
-            positions,
-            options: &self.options,
-            nodal: self.nodal.as_ref(),
-            anchors: self.present_anchors(),
-            committed: self.anchors.as_deref(),
-            own: self.own.as_ref(),
-        };
+        let evaluator = Evaluator { creases: &creases, positions, ..self.evaluator() };
         let refresh = Refresh {
             index: &index,
             cloud: &cloud,

@@ -97,7 +97,7 @@ impl Evaluator<'_> {
             domains.push(nodal.domain(number, image));
             sources.push(Source { ends: [one, other], part, image: (image != NONE).then_some(image) });
         }
-        let outward = self.surface.shape(paired.record.facet as usize, self.positions).normal().into();
+        let outward = self.facet(paired).normal().into();
         sought.push(Sought { slave: self.positions[paired.slave], outward, range: start..points.len() });
     }
 

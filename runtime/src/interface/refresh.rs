@@ -221,7 +221,7 @@ impl Refresh<'_> {
         let paired = record.as_ref().map_err(|reason| *reason).and_then(|record| {
             let paired =
                 Paired { slave: node, masters, record, frame: None, patch, sheet_nodes, images, auxiliary };
-            Ok((paired, self.evaluator.held_frame(&paired, element)?))
+            Ok((paired, self.evaluator.held_frame(&paired)?))
         });
         let report = &mut chunk.report;
         match paired {

@@ -49,11 +49,6 @@ pub struct Lists {
 }
 
 impl Lists {
-    /// None.
-    pub const fn new() -> Self {
-        Self { numbers: Vec::new(), ends: Vec::new() }
-    }
-
     /// Appends a list.
     pub fn push(&mut self, list: &[u32]) {
         self.numbers.extend_from_slice(list);
@@ -62,9 +57,18 @@ impl Lists {
 
     /// The `k`-th list; empty if there is none.
     pub fn get(&self, k: usize) -> &[u32] {
-        let Some(&end) = self.ends.get(k) else { return &[] };
+        if k < self.ends.len() { &self.numbers[self.range(k)] } else { &[] }
+    }
+
+    /// Where the numbers of the `k`-th list are.
+    pub fn range(&self, k: usize) -> Range<usize> {
         let start = k.checked_sub(1).map_or(0, |before| self.ends[before]);
-        &self.numbers[start..end]
+        start..self.ends[k]
+    }
+
+    /// How many numbers there are.
+    pub fn count(&self) -> usize {
+        self.numbers.len()
     }
 }
 
@@ -100,7 +104,7 @@ impl Pairings {
         let holds = vec![0.0; slaves.len()];
         let lengths = std::iter::repeat_n(0, slaves.len());
         let layout = Arc::new(Layout::new(slaves, areas, lengths, Vec::new()));
-        let [patches, images, auxiliary] = [const { Lists::new() }; 3];
+        let [patches, images, auxiliary] = <[Lists; 3]>::default();
         Self {
             layout,
             records,

@@ -1,7 +1,6 @@
 //! Pairing every slave with its masters.
 
 use std::cell::RefCell;
-use std::ops::Range;
 
 use crate::vector::Vector3;
 use rayon::prelude::*;
@@ -98,9 +97,7 @@ impl RefreshScratch {
 struct Chunk {
     records: Vec<Result<Record, NoContact>>,
     holds: Vec<f64>,
-    masters: Vec<u32>,
-    /// Where the masters of each slave end.
-    ends: Vec<usize>,
+    masters: Lists,
     frames: Vec<Frame>,
     patches: Lists,
     sheet_nodes: Vec<u32>,
@@ -110,26 +107,15 @@ struct Chunk {
 }
 
 impl Chunk {
-    /// Where the masters of the `own`-th slave of the chunk are.
-    fn range_of(&self, own: usize) -> Range<usize> {
-        let start = own.checked_sub(1).map_or(0, |before| self.ends[before]);
-        start..self.ends[own]
-    }
-
-    fn masters_of(&self, own: usize) -> &[u32] {
-        &self.masters[self.range_of(own)]
-    }
-
     /// Appends the lists of a slave.
     fn push(&mut self, paired: &Paired<'_>) {
-        self.masters.extend_from_slice(paired.masters);
+        self.masters.push(paired.masters);
         self.records.push(Ok(*paired.record));
         self.frames.extend(paired.frame);
         self.patches.push(paired.patch);
         self.sheet_nodes.extend_from_slice(paired.sheet_nodes);
         self.images.push(paired.images);
         self.auxiliary.push(paired.auxiliary);
-        self.ends.push(self.masters.len());
     }
 
     /// Appends a slave without a pairing.
@@ -137,10 +123,9 @@ impl Chunk {
         self.report.count_without(reason);
         self.records.push(Err(reason));
         self.frames.extend(stand_in);
-        [&mut self.patches, &mut self.images, &mut self.auxiliary]
-            .into_iter()
-            .for_each(|list| list.push(&[]));
-        self.ends.push(self.masters.len());
+        for lists in [&mut self.masters, &mut self.patches, &mut self.images, &mut self.auxiliary] {
+            lists.push(&[]);
+        }
     }
 }
 
@@ -167,28 +152,26 @@ impl Refresh<'_> {
         for (place, &k) in order.iter().enumerate() {
             places[k as usize] = place;
         }
-        let mut masters = Vec::with_capacity(chunks.iter().map(|chunk| chunk.masters.len()).sum());
+        let mut masters = Vec::with_capacity(chunks.iter().map(|chunk| chunk.masters.count()).sum());
         let mut records = Vec::with_capacity(order.len());
         let mut holds = Vec::with_capacity(order.len());
         let mut frames = Vec::new();
-        let [mut patches, mut images, mut auxiliary] = [const { Lists::new() }; 3];
-        let mut listed = Vec::new();
+        let [mut patches, mut images, mut auxiliary] = <[Lists; 3]>::default();
+        let mut sheet_nodes = Vec::new();
         chunks.iter().for_each(|chunk| report.append(&chunk.report));
         for &place in &places {
             let (chunk, own) = (&chunks[place / CHUNK], place % CHUNK);
             records.push(chunk.records[own]);
             holds.push(chunk.holds[own]);
-            masters.extend_from_slice(chunk.masters_of(own));
+            masters.extend_from_slice(chunk.masters.get(own));
             frames.extend(chunk.frames.get(own));
             patches.push(chunk.patches.get(own));
             images.push(chunk.images.get(own));
             auxiliary.push(chunk.auxiliary.get(own));
-            listed.extend_from_slice(chunk.sheet_nodes.get(chunk.range_of(own)).unwrap_or(&[]));
+            sheet_nodes.extend_from_slice(chunk.sheet_nodes.get(chunk.masters.range(own)).unwrap_or(&[]));
         }
-        let lengths = places.iter().map(|place| chunks[place / CHUNK].masters_of(place % CHUNK).len());
-        let layout = Layout::new(old.slaves().to_vec(), old.areas().to_vec(), lengths, masters);
-        let layout = layout.into();
-        let sheet_nodes = listed;
+        let lengths = places.iter().map(|place| chunks[place / CHUNK].masters.range(place % CHUNK).len());
+        let layout = Layout::new(old.slaves().to_vec(), old.areas().to_vec(), lengths, masters).into();
         (Pairings { layout, records, holds, frames, patches, sheet_nodes, images, auxiliary }, report)
     }
 

@@ -157,11 +157,13 @@ impl ContactInterface {
         self.check_accepted(law)?;
         let Some(committed) = &self.anchors else { return Ok((None, vec![0.0; self.slaves().len()])) };
         self.check_refreshed()?;
-        let rounds = self.evaluator().augment(&self.pairings, law, moves, &self.elements)?;
+        let evaluator = self.evaluator();
+        let round = |slave: &Sticking<'_>| evaluator.augment_one(slave, &moves);
+        let rounds = evaluator.of_all(&self.pairings, law, &self.elements, round)?;
         let errors = rounds.iter().map(|round| round.as_ref().map_or(0.0, |round| round.error)).collect();
         let next = rounds.into_iter().zip(committed).map(|(round, committed)| match round {
-            Some(Round { anchor: Some(anchor), .. }) => Some(anchor),
-            _ => committed.clone(),
+            Some(round) => Some(round.anchor),
+            None => committed.clone(),
         });
         Ok((Some(next.collect()), errors))
     }
@@ -278,17 +280,6 @@ impl Evaluator<'_> {
         Ok((anchors, report))
     }
 
-    /// A round of augmentation; `None` without contact.
-    fn augment(
-        &self,
-        pairings: &Pairings,
-        law: &ContactLaw<'_>,
-        moves: impl Fn(usize) -> bool + Sync,
-        pool: &Pool<ElementScratch>,
-    ) -> Result<Vec<Option<Round>>, InterfaceError> {
-        self.of_all(pairings, law, pool, |slave| self.augment_one(slave, &moves))
-    }
-
     /// Something of each slave with contact.
     fn of_all<T: Send>(
         &self,
@@ -376,7 +367,7 @@ impl Evaluator<'_> {
     fn augment_one(&self, slave: &Sticking<'_>, moves: impl Fn(usize) -> bool) -> Option<Round> {
         let (Some(old), Some(force), false) = (slave.old, slave.force, slave.is_open) else { return None };
         if !moves(slave.k) {
-            return Some(Round { anchor: Some(old.clone()), error: 0.0 });
+            return Some(Round { anchor: old.clone(), error: 0.0 });
         }
         let foot = slave.foot()?;
         let at = slave.slip.contact.point();
@@ -387,7 +378,7 @@ impl Evaluator<'_> {
         let origin = old.stuck_at().towards(&foot, 1.0 - sliding.share);
         let parts = [(&origin, 1.0), (&old.point, sliding.kept), (&foot, -sliding.kept)];
         let point = AffinePoint::combined(&parts);
-        Some(Round { anchor: Some(Anchor { point, opening: 0.0, origin: Some(origin) }), error })
+        Some(Round { anchor: Anchor { point, opening: 0.0, origin: Some(origin) }, error })
     }
 }
 
@@ -413,8 +404,7 @@ impl Sticking<'_> {
 
 /// What a round of augmentation makes of a slave.
 struct Round {
-    /// `None`: the anchor of the last accepted step.
-    anchor: Option<Anchor>,
+    anchor: Anchor,
     /// Length.
     error: f64,
 }

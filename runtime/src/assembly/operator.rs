@@ -16,7 +16,7 @@ use rayon::prelude::*;
 
 use super::{AssemblyError, ContactLaw, DofMap, Tangent, add_entry, zeros};
 use crate::Mode;
-use crate::interface::{ContactInterface, ContactRef, InterfaceError, Results};
+use crate::interface::{ContactInterface, InterfaceError, Results};
 
 /// The tangent of an interface at the positions it was made for, K = Σ (ε N Nᵀ − f M) over the contacts that carry force; with friction
 /// what this adds.
@@ -110,15 +110,12 @@ impl TangentOperator {
             let range = start..count.min(start + AT_ONCE);
             let (mut gaps, mut results) = (Results::default(), Results::default());
             let gap = interface.evaluate_loaded(range.clone(), Mode::Value, &|_| true, &mut gaps)?;
-            let is_loaded = |k: usize| {
-                let ContactRef { outcome, point, area, .. } = gap(k);
-                outcome.is_contact() && may_carry(law, k, point.gap, area)
-            };
+            let is_loaded =
+                |k: usize| gap(k).view().is_some_and(|found| may_carry(law, k, found.gap, found.area));
             let contact =
                 interface.evaluate_loaded(range.clone(), Mode::Hessian, &is_loaded, &mut results)?;
             let (mut part, mut elements) = (Part::default(), Vec::new());
-            // Beside a border rounding may end a contact in the second evaluation.
-            for k in range.filter(|&k| is_loaded(k) && contact(k).outcome.is_contact()) {
+            for k in range.filter(|&k| is_loaded(k)) {
                 part.push(k, &contact(k), law, dofs, &mut elements)?;
             }
             Ok((part, elements))

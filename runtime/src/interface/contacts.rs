@@ -43,6 +43,15 @@ pub struct ContactRef<'a> {
     pub slip: Option<SlipView<'a>>,
 }
 
+impl<'a> ContactRef<'a> {
+    /// What assembly takes of it, if there is contact.
+    pub(crate) fn view(&self) -> Option<ContactView<'a>> {
+        let Self { point, area, gradient, hessian, slip, .. } = *self;
+        let view = ContactView { gap: point.gap, area, gradient, hessian, slip };
+        self.outcome.is_contact().then_some(view)
+    }
+}
+
 impl Contacts {
     pub(super) fn new(layout: Arc<Layout>, friction: Result<(), AssemblyError>) -> Self {
         Self { layout, slots: Results::default(), friction }
@@ -97,10 +106,8 @@ impl Elements for Contacts {
     }
 
     fn element(&self, k: usize) -> ElementView<'_> {
-        let ContactRef { slave, nodes, outcome, point, area, gradient, hessian, slip } = self.get(k);
-        let contact = ContactView { gap: point.gap, area, gradient, hessian, slip };
-        let contact = outcome.is_contact().then_some(contact);
-        ElementView { slave, masters: nodes, contact }
+        let contact = self.get(k);
+        ElementView { slave: contact.slave, masters: contact.nodes, contact: contact.view() }
     }
 
     fn check_friction(&self) -> Result<(), AssemblyError> {

@@ -1,7 +1,7 @@
 //! Summing tangents of an interface whose second derivatives nobody holds.
 
 use super::super::law::Needs;
-use super::super::{AssemblyError, ContactLaw, ContactView, Elements, Tangent, reserve};
+use super::super::{AssemblyError, ContactLaw, Elements, Tangent, reserve};
 use super::CsrMap;
 use crate::Mode;
 use crate::interface::{ContactInterface, InterfaceError, Results};
@@ -67,16 +67,8 @@ impl CsrMap {
             }
             let contact = interface.evaluate_loaded(elements, Mode::Hessian, &|k| loaded[k], &mut results)?;
             let active = |k: usize| {
-                let contact = contact(k);
-                let view = ContactView {
-                    gap: contact.point.gap,
-                    area: contact.area,
-                    gradient: contact.gradient,
-                    hessian: contact.hessian,
-                    slip: contact.slip,
-                };
-                let is_there = loaded[k] && contact.outcome.is_contact();
-                if is_there { law.active_contact(k, &view) } else { None }
+                let view = contact(k).view().filter(|_| loaded[k])?;
+                law.active_contact(k, &view)
             };
             self.add_batch(batch, &active, values, from_zero)?;
         }

@@ -14,6 +14,7 @@ use std::fmt;
 use part::{Contact, Element, NONE, Numbering, Part, Side};
 use rayon::prelude::*;
 
+use super::pattern::Lists;
 use super::{AssemblyError, ContactLaw, DofMap, Tangent, add_entry, zeros};
 use crate::Mode;
 use crate::interface::{ContactInterface, InterfaceError, Results};
@@ -52,10 +53,8 @@ pub struct TangentOperator {
     parts: Vec<Part>,
     /// Q of the images behind planes of symmetry, x' = Q x + t.
     rotations: Vec<[[f64; 3]; 3]>,
-    /// Where the uses of each node begin, …
-    starts: Vec<usize>,
-    /// … and where its contributions are, in the order of the contacts.
-    uses: Vec<usize>,
+    /// Where the contributions of each node are, in the order of the contacts.
+    uses: Lists<usize>,
     /// Memory of a product: v of the nodes, what each point of each contact contributes, and the sums.
     moves: Vec<[f64; 3]>,
     contributions: Vec<[f64; 3]>,
@@ -141,24 +140,12 @@ impl TangentOperator {
         rotations: Vec<[[f64; 3]; 3]>,
     ) -> Result<Self, AssemblyError> {
         let Numbering { dofs, equations: nodes, .. } = numbering;
-        let points = parts.iter().map(|part| part.nodes.len()).sum();
-        let mut starts = zeros("nodes", nodes.len() + 1)?;
-        for &node in parts.iter().flat_map(|part| &part.nodes) {
-            starts[node as usize + 1] += 1;
-        }
-        for node in 0..nodes.len() {
-            starts[node + 1] += starts[node];
-        }
-        let mut uses = zeros("points", points)?;
-        let mut next = starts.clone();
-        for (place, &node) in parts.iter().flat_map(|part| &part.nodes).enumerate() {
-            uses[next[node as usize]] = place;
-            next[node as usize] += 1;
-        }
+        let points = parts.iter().flat_map(|part| part.nodes.iter().copied());
+        let uses = Lists::by(nodes.len(), points.clone().zip(0..))?;
         let (moves, sums) = (zeros("nodes", nodes.len())?, zeros("nodes", nodes.len())?);
-        let contributions = zeros("points", points)?;
+        let contributions = zeros("points", points.count())?;
         let equations = dofs.equations();
-        Ok(Self { equations, nodes, parts, rotations, starts, uses, moves, contributions, sums })
+        Ok(Self { equations, nodes, parts, rotations, uses, moves, contributions, sums })
     }
 
     /// Its part −f M, with what friction adds: all that the tangent has beside ε N Nᵀ. For hosts that assemble ε N Nᵀ, such as for a
@@ -191,7 +178,7 @@ impl TangentOperator {
         let nodes = self.nodes.capacity() + self.moves.capacity() + self.sums.capacity();
         self.parts.iter().map(part).sum::<usize>()
             + 24 * (nodes + self.contributions.capacity())
-            + 8 * (self.starts.capacity() + self.uses.capacity())
+            + self.uses.memory()
     }
 
     /// Adds K v to `product`: one entry per equation. Every sum is formed in the order of the contacts: the result is the same for any
@@ -242,10 +229,10 @@ impl TangentOperator {
 
     /// Adds what all points contribute.
     fn add_sums(&mut self, what: &'static str, target: &mut [f64]) -> Result<(), AssemblyError> {
-        let Self { starts, uses, contributions, sums, nodes, .. } = self;
+        let Self { uses, contributions, sums, nodes, .. } = self;
         sums.par_iter_mut().enumerate().with_min_len(MIN_NODES).for_each(|(node, sum)| {
             *sum = [0.0; 3];
-            for &place in &uses[starts[node]..starts[node + 1]] {
+            for &place in uses.get(node) {
                 for (sum, x) in sum.iter_mut().zip(contributions[place]) {
                     *sum += x;
                 }

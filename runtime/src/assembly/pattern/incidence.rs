@@ -19,18 +19,18 @@ pub struct Lists<T> {
     numbers: Vec<T>,
 }
 
-impl Lists<u32> {
-    /// The numbers 0 … `count` − 1 in the lists that `of` tells, ascending.
-    pub fn by(lists: usize, count: usize, of: impl Fn(usize) -> u32) -> Result<Self, AssemblyError> {
-        let mut offsets = zeros("nodes", lists + 1)?;
-        (0..count).for_each(|k| offsets[of(k) as usize + 1] += 1);
+impl<T: Clone + Default> Lists<T> {
+    /// So many lists, of numbers that come with the list they belong to, in their order.
+    pub fn by(lists: usize, all: impl Iterator<Item = (u32, T)> + Clone) -> Result<Self, AssemblyError> {
+        let mut offsets: Vec<usize> = zeros("nodes", lists + 1)?;
+        all.clone().for_each(|(list, _)| offsets[list as usize + 1] += 1);
         for k in 0..lists {
             offsets[k + 1] += offsets[k];
         }
-        let (mut next, mut numbers) = (offsets.clone(), zeros("nodes", count)?);
-        for k in 0..count {
-            let place: &mut usize = &mut next[of(k) as usize];
-            numbers[*place] = k as u32;
+        let (mut next, mut numbers) = (offsets.clone(), zeros("nodes", offsets[lists])?);
+        for (list, number) in all {
+            let place = &mut next[list as usize];
+            numbers[*place] = number;
             *place += 1;
         }
         Ok(Self { offsets, numbers })

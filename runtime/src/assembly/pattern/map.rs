@@ -110,7 +110,7 @@ impl Found {
         places: Vec<u32>,
     ) -> Result<CsrMap, AssemblyError> {
         let (groups, slots) = locate(&self.neighbours, &self.groups, dofs, row_offsets, columns, is_union)?;
-        let of_nodes = groups_of_nodes(&groups, dofs.nodes())?;
+        let of_nodes = Lists::by(dofs.nodes(), groups.iter().map(|group| group.rows.node).zip(0..))?;
         let places = self.places(&groups, &of_nodes, &slots, places)?;
         let batch_size = BATCH_PER_THREAD * rayon::current_num_threads();
         let batches: Vec<Result<Batch, AssemblyError>> = (0..self.incidence.nodes.len().div_ceil(batch_size))
@@ -174,11 +174,6 @@ impl Found {
         });
         Ok(places)
     }
-}
-
-/// The groups of rows of each node.
-fn groups_of_nodes(groups: &[Located], nodes: usize) -> Result<Lists<u32>, AssemblyError> {
-    Lists::by(nodes, groups.len(), |k| groups[k].rows.node)
 }
 
 impl Batch {

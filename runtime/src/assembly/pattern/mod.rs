@@ -8,6 +8,7 @@ mod rows;
 mod split;
 mod stream;
 
+pub(super) use incidence::Lists;
 pub use locate::CsrIndex;
 pub use map::CsrMap;
 

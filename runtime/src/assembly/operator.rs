@@ -18,6 +18,7 @@ use super::pattern::Lists;
 use super::{AssemblyError, ContactLaw, DofMap, Tangent, add_entry, zeros};
 use crate::Mode;
 use crate::interface::{ContactInterface, InterfaceError, Results};
+use crate::surface::Symmetry;
 
 /// The tangent of an interface at the positions it was made for, K = Σ (ε N Nᵀ − f M) over the contacts that carry force; with friction
 /// what this adds.
@@ -51,8 +52,8 @@ pub struct TangentOperator {
     /// The equations of each node that takes part.
     nodes: Vec<[usize; 3]>,
     parts: Vec<Part>,
-    /// Q of the images behind planes of symmetry, x' = Q x + t.
-    rotations: Vec<[[f64; 3]; 3]>,
+    /// Images behind planes of symmetry.
+    symmetry: Symmetry,
     /// Where the contributions of each node are, in the order of the contacts.
     uses: Lists<usize>,
     /// Memory of a product: v of the nodes, what each point of each contact contributes, and the sums.
@@ -88,13 +89,12 @@ impl TangentOperator {
         }
         let with_second = law.tangent == Tangent::Exact;
         let found = interface.linearise(with_second, |k, gap, area| may_carry(law, k, gap, area))?;
-        let rotations = interface.rotations();
         let mut numbering = Numbering::new(dofs)?;
         let mut parts = Vec::with_capacity(found.len());
         for contacts in found {
             parts.push(Part::new(contacts, interface.slaves(), law, &mut numbering)?);
         }
-        Ok(Self::of(parts, numbering, rotations)?)
+        Ok(Self::of(parts, numbering, interface.images())?)
     }
 
     fn with_friction(
@@ -131,21 +131,17 @@ impl TangentOperator {
             }
             parts.push(part);
         }
-        Ok(Self::of(parts, numbering, Vec::new())?)
+        Ok(Self::of(parts, numbering, Symmetry::default())?)
     }
 
-    fn of(
-        parts: Vec<Part>,
-        numbering: Numbering<'_>,
-        rotations: Vec<[[f64; 3]; 3]>,
-    ) -> Result<Self, AssemblyError> {
+    fn of(parts: Vec<Part>, numbering: Numbering<'_>, symmetry: Symmetry) -> Result<Self, AssemblyError> {
         let Numbering { dofs, equations: nodes, .. } = numbering;
         let points = parts.iter().flat_map(|part| part.nodes.iter().copied());
         let uses = Lists::by(nodes.len(), points.clone().zip(0..))?;
         let (moves, sums) = (zeros("nodes", nodes.len())?, zeros("nodes", nodes.len())?);
         let contributions = zeros("points", points.count())?;
         let equations = dofs.equations();
-        Ok(Self { equations, nodes, parts, rotations, uses, moves, contributions, sums })
+        Ok(Self { equations, nodes, parts, symmetry, uses, moves, contributions, sums })
     }
 
     /// Its part −f M, with what friction adds: all that the tangent has beside ε N Nᵀ. For hosts that assemble ε N Nᵀ, such as for a
@@ -209,9 +205,9 @@ impl TangentOperator {
             .zip(&self.nodes)
             .with_min_len(MIN_NODES)
             .for_each(|(moves, equations)| *moves = equations.each_ref().map(entry));
-        let (moves, rotations) = (&self.moves, &self.rotations);
+        let (moves, symmetry) = (&self.moves, &self.symmetry);
         let slots = split(&self.parts, &mut self.contributions);
-        slots.into_par_iter().for_each(|(part, target)| part.multiply(side, moves, rotations, target));
+        slots.into_par_iter().for_each(|(part, target)| part.multiply(side, moves, symmetry, target));
         self.add_sums("products", product)
     }
 
@@ -221,9 +217,9 @@ impl TangentOperator {
     /// As [`add_product`](Self::add_product).
     pub fn add_diagonal(&mut self, diagonal: &mut [f64]) -> Result<(), AssemblyError> {
         AssemblyError::check_length("diagonal entries", diagonal.len(), self.equations)?;
-        let rotations = &self.rotations;
+        let symmetry = &self.symmetry;
         let slots = split(&self.parts, &mut self.contributions);
-        slots.into_par_iter().for_each(|(part, target)| part.diagonal(rotations, target));
+        slots.into_par_iter().for_each(|(part, target)| part.diagonal(symmetry, target));
         self.add_sums("diagonal entries", diagonal)
     }
 

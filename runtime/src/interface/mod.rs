@@ -225,11 +225,6 @@ impl ContactInterface {
         self.nodal.as_ref().map(|nodal| nodal.symmetry.clone()).unwrap_or_default()
     }
 
-    /// Q of each image behind planes of symmetry, x' = Q x + t.
-    pub(crate) fn rotations(&self) -> Vec<[[f64; 3]; 3]> {
-        self.images().rotations().collect()
-    }
-
     /// Master nodes listed with the `k`-th slave.
     pub(crate) fn listed(&self, k: usize) -> &[u32] {
         self.pairings.layout.masters(k)

@@ -240,11 +240,6 @@ impl Symmetry {
         &self.images[number as usize]
     }
 
-    /// Q of every image.
-    pub fn rotations(&self) -> impl Iterator<Item = [[f64; 3]; 3]> {
-        self.images.iter().map(|image| image.rows)
-    }
-
     /// The images of `node` that are other points than it and nearer to `centre` than `reach`, each once.
     pub fn images_near(&self, node: Point, centre: Point, reach: f64, mut found: impl FnMut(u32, Point)) {
         if self.planes.iter().all(|plane| plane.distance(centre) > reach) {

@@ -5,9 +5,10 @@ use crate::assembly::active::Skew;
 use crate::assembly::law::Needs;
 use crate::assembly::{AssemblyError, ContactLaw, ContactView, DofMap, reserve};
 use crate::friction::NormalForce;
-use crate::interface::{ContactRef, LinearContacts, SecondForm};
+use crate::interface::{ContactRef, LinearContacts, SecondForm, back};
+use crate::surface::{Image, Symmetry};
 
-/// Where there is no equation, or no image.
+/// Where there is no equation.
 pub(super) const NONE: usize = usize::MAX;
 
 /// A contact with friction: its slave, by place among the slaves, and its nodes, slave first.
@@ -30,7 +31,7 @@ pub(super) struct Part {
     /// Slave and points of each contact, by place among the nodes that take part: of an auxiliary point both its ends.
     pub nodes: Vec<u32>,
     /// The image each of them is, if there is any.
-    pub images: Vec<usize>,
+    pub images: Vec<Option<u32>>,
     /// What each of them has of its point, up to the last that is an end.
     pub roles: Vec<Role>,
     pub gradients: Vec<f64>,
@@ -146,9 +147,9 @@ impl Part {
                         roles.resize(nodes.len() - 1, Role::Whole);
                         roles.push(role(part));
                     }
-                    if let Some(image) = image {
-                        images.resize(nodes.len() - 1, NONE);
-                        images.push(image as usize);
+                    if image.is_some() {
+                        images.resize(nodes.len() - 1, None);
+                        images.push(image);
                     }
                 }
             }
@@ -249,31 +250,25 @@ impl Part {
         vec![0.0; 3 * self.contacts.iter().map(|contact| contact.points).max().unwrap_or(0)]
     }
 
-    /// Q of the point at a place, if it is an image.
-    fn rotation<'r>(&self, rotations: &'r [[[f64; 3]; 3]], place: usize) -> Option<&'r [[f64; 3]; 3]> {
-        self.images.get(place).and_then(|&image| rotations.get(image))
+    /// The image that the point at a place is, if it is one.
+    fn image<'s>(&self, symmetry: &'s Symmetry, place: usize) -> Option<&'s Image> {
+        self.images.get(place).copied().flatten().map(|number| symmetry.image(number))
     }
 
     /// What each point contributes to K v or Kᵀ v, v given for all nodes.
-    pub fn multiply(
-        &self,
-        side: Side,
-        moves: &[[f64; 3]],
-        rotations: &[[[f64; 3]; 3]],
-        target: &mut [[f64; 3]],
-    ) {
+    pub fn multiply(&self, side: Side, moves: &[[f64; 3]], symmetry: &Symmetry, target: &mut [[f64; 3]]) {
         let (mut v, mut product) = (self.room(), self.room());
         for (start, contact) in self.placed() {
             let (v, product) = (&mut v[..3 * contact.points], &mut product[..3 * contact.points]);
             v.fill(0.0);
             for Share { place, point, part } in self.shares(start, contact) {
-                let moved = forth(self.rotation(rotations, place), moves[self.nodes[place] as usize]);
+                let moved = forth(self.image(symmetry, place), moves[self.nodes[place] as usize]);
                 v[3 * point..].iter_mut().zip(moved).for_each(|(v, x)| *v += part * x);
             }
             self.element(side, contact, v, product);
             let product = product.as_chunks::<3>().0;
             for Share { place, point, part } in self.shares(start, contact) {
-                target[place] = back(self.rotation(rotations, place), product[point]).map(|x| part * x);
+                target[place] = back(self.image(symmetry, place), product[point]).map(|x| part * x);
             }
         }
     }
@@ -303,7 +298,7 @@ impl Part {
     }
 
     /// What each point contributes to the diagonal of K.
-    pub fn diagonal(&self, rotations: &[[[f64; 3]; 3]], target: &mut [[f64; 3]]) {
+    pub fn diagonal(&self, symmetry: &Symmetry, target: &mut [[f64; 3]]) {
         let (mut v, mut product) = (self.room(), self.room());
         for (start, contact) in self.placed() {
             let (v, product) = (&mut v[..3 * contact.points], &mut product[..3 * contact.points]);
@@ -316,7 +311,7 @@ impl Part {
             let shares = || self.shares(start, contact);
             for own in shares() {
                 let same = || shares().filter(|other| self.nodes[other.place] == self.nodes[own.place]);
-                let is_whole = own.part == 1.0 && self.rotation(rotations, own.place).is_none();
+                let is_whole = own.part == 1.0 && self.image(symmetry, own.place).is_none();
                 if is_whole && same().count() == 1 {
                     continue;
                 }
@@ -327,13 +322,13 @@ impl Part {
                     unit[axis] = 1.0;
                     v.fill(0.0);
                     for Share { place, point, part } in same() {
-                        let moved = forth(self.rotation(rotations, place), unit);
+                        let moved = forth(self.image(symmetry, place), unit);
                         v[3 * point..].iter_mut().zip(moved).for_each(|(v, x)| *v += part * x);
                     }
                     self.element(Side::Right, contact, v, product);
                     for Share { place, point, part } in same() {
                         let by = [0, 1, 2].map(|axis| product[3 * point + axis]);
-                        target[own.place][axis] += part * back(self.rotation(rotations, place), by)[axis];
+                        target[own.place][axis] += part * back(self.image(symmetry, place), by)[axis];
                     }
                 }
             }
@@ -379,14 +374,9 @@ fn multiply_packed(packed: &[f64], v: &[f64], product: &mut [f64]) {
     }
 }
 
-/// Q v
-fn forth(rotation: Option<&[[f64; 3]; 3]>, v: [f64; 3]) -> [f64; 3] {
-    rotation.map_or(v, |q| q.map(|row| row[0] * v[0] + row[1] * v[1] + row[2] * v[2]))
-}
-
-/// Qᵀ v
-fn back(rotation: Option<&[[f64; 3]; 3]>, v: [f64; 3]) -> [f64; 3] {
-    rotation.map_or(v, |q| [0, 1, 2].map(|j| q[0][j] * v[0] + q[1][j] * v[1] + q[2][j] * v[2]))
+/// Q v, for an image x' = Q x + t.
+fn forth(image: Option<&Image>, v: [f64; 3]) -> [f64; 3] {
+    image.map_or(v, |image| image.rows.map(|row| row[0] * v[0] + row[1] * v[1] + row[2] * v[2]))
 }
 
 #[cfg(test)]
@@ -415,8 +405,8 @@ mod tests {
             ..Part::default()
         };
         let [mut product, mut diagonal] = [[[0.0; 3]; 2]; 2];
-        part.multiply(Side::Right, &[[0.0, 0.0, 1.0]], &[], &mut product);
-        part.diagonal(&[], &mut diagonal);
+        part.multiply(Side::Right, &[[0.0, 0.0, 1.0]], &Symmetry::default(), &mut product);
+        part.diagonal(&Symmetry::default(), &mut diagonal);
         let sum = |all: [[f64; 3]; 2]| all[0][2] + all[1][2];
         assert_eq!((sum(product), sum(diagonal)), (0.5, 0.5));
     }

@@ -268,7 +268,7 @@ fn oriented(normal: Vector3, outward: Point) -> Result<Vector3, ElementError> {
 }
 
 /// Two unit vectors that complete `normal` to a right-handed frame, from the global axis least aligned with it.
-fn tangents(normal: &Vector3) -> (Vector3, Vector3) {
+pub(crate) fn tangents(normal: &Vector3) -> (Vector3, Vector3) {
     let axis = Vector3::axis(normal.smallest_axis());
     let t1 = (axis - *normal * normal.dot(&axis)).normalize();
     (t1, normal.cross(&t1))

@@ -6,6 +6,7 @@
 use rstar::RTree;
 use rstar::primitives::GeomWithData;
 
+use crate::neighbourhood::in_plane;
 use crate::vector::Vector3;
 use crate::{Basis, Domains, Element, ElementError, Frame, MaterialNode, Point, Weight};
 
@@ -127,11 +128,8 @@ impl Pairing {
 ///
 /// 0 if all masters lie straight above or below the slave, which no element accepts.
 pub fn support_radius(frame: &Frame, slave: Point, masters: &[Point]) -> f64 {
-    let farthest = masters
-        .iter()
-        .map(|&x| in_plane_offset(frame, slave, x))
-        .map(|[a, b]| a.hypot(b))
-        .fold(0.0, f64::max);
+    let farthest =
+        masters.iter().map(|&x| in_plane(frame, slave, x)).map(|[a, b]| a.hypot(b)).fold(0.0, f64::max);
     SUPPORT_RADIUS_FACTOR * farthest
 }
 
@@ -160,12 +158,6 @@ pub fn node_normals<F: AsRef<[usize]>>(points: &[Point], facets: &[F]) -> Vec<Po
 /// that a few large facets do not outweigh the others.
 pub fn outward(normals: &[Point], masters: &[usize]) -> Point {
     masters.iter().filter_map(|&k| Vector3::from(normals[k]).try_normalize()).sum::<Vector3>().into()
-}
-
-/// Components of `point − from` along t1 and t2.
-fn in_plane_offset(frame: &Frame, from: Point, point: Point) -> [f64; 2] {
-    let offset = Vector3::from(point) - Vector3::from(from);
-    [frame.t1, frame.t2].map(|axis| offset.dot(&Vector3::from(axis)))
 }
 
 /// Square of the Euclidean distance.

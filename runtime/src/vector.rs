@@ -112,6 +112,13 @@ impl IndexMut<usize> for Vector3 {
     }
 }
 
+/// The lowest and the highest coordinates of points; of none they are infinite, and the other way round.
+pub(crate) fn bounds(points: impl Iterator<Item = Point>) -> [Point; 2] {
+    let none = [f64::INFINITY, f64::NEG_INFINITY].map(|x| Vector3([x; 3]));
+    let joined = |[low, high]: [Vector3; 2], x: Vector3| [low.lower(&x), high.upper(&x)];
+    points.map(Vector3::from).fold(none, joined).map(Point::from)
+}
+
 /// An operator by components, for vectors and references to them.
 macro_rules! by_component {
     ($operator:ident, $method:ident, $f:expr) => {

@@ -2,7 +2,7 @@
 
 use std::cell::RefCell;
 
-use crate::vector::Vector3;
+use crate::vector::{Vector3, bounds};
 use rayon::prelude::*;
 
 use super::anchors::append_carriers;
@@ -391,13 +391,7 @@ impl Refresh<'_> {
 /// The slaves along a space-filling curve (bits of the coordinates interleaved): one after another works on the
 /// same part of the master surface, which is in the cache then.
 fn spatial_order(slaves: &[usize], positions: &[Point]) -> Vec<u32> {
-    let (mut low, mut high) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
-    for &node in slaves {
-        for axis in 0..3 {
-            low[axis] = low[axis].min(positions[node][axis]);
-            high[axis] = high[axis].max(positions[node][axis]);
-        }
-    }
+    let [low, high] = bounds(slaves.iter().map(|&node| positions[node]));
     let extent = (0..3).map(|axis| high[axis] - low[axis]).fold(0.0, f64::max);
     let key = |node: usize| {
         let cell = |axis: usize| ((positions[node][axis] - low[axis]) / extent * f64::from(1 << 20)) as u64;

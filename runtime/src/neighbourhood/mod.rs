@@ -80,6 +80,7 @@ pub use options::{
 };
 pub use search::{NeighbourSearch, hull_layers};
 
+pub(crate) use candidates::in_plane;
 pub(crate) use conditioning::{regularity, weighted_regularity};
 
 use crate::pairing::{NearestNodes, Pairing};
@@ -164,10 +165,7 @@ pub struct Neighbourhood {
 /// may be large. `None` for a basis of one's own.
 pub fn element_regularity(element: &Element<'_>) -> Option<f64> {
     let Element { slave, masters, frame, support_radius, domains, basis, .. } = element;
-    let offsets = masters.iter().map(|&master| {
-        let [a, b, _] = candidates::local_offset(frame, *slave, master);
-        [a, b]
-    });
+    let offsets = masters.iter().map(|&master| in_plane(frame, *slave, master));
     let found = match domains {
         Domains::Material(nodes) => {
             let scaled = offsets.map(|offset| offset.map(|x| x / support_radius));

@@ -2,6 +2,7 @@
 
 use super::index::SurfaceIndex;
 use crate::Point;
+use crate::vector::bounds;
 
 /// How large a whole surface is in its first configuration. Of several parts they are [joined](Self::joined), in any order.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -20,16 +21,10 @@ impl Extents {
 
     /// Of a surface at these positions.
     pub(crate) fn of(index: &SurfaceIndex<'_>) -> Self {
-        let mut all = Self::NONE;
-        for x in index.positions() {
-            for axis in 0..3 {
-                all.low[axis] = all.low[axis].min(x[axis]);
-                all.high[axis] = all.high[axis].max(x[axis]);
-            }
-        }
+        let [low, high] = bounds(index.positions().iter().copied());
         let facets = 0..index.surface().facet_count() as u32;
-        all.facet = facets.map(|facet| index.shape(facet).extent()).fold(0.0, f64::max);
-        all
+        let facet = facets.map(|facet| index.shape(facet).extent()).fold(0.0, f64::max);
+        Self { low, high, facet }
     }
 
     /// Those of two parts together.

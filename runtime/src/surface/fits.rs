@@ -8,6 +8,7 @@ use super::conditioning::{Near, smallest_factor};
 use super::sheets::{CHUNK, Carried, Found, Listed, Sheets};
 use super::symmetry::Symmetry;
 use super::topology::NONE;
+use crate::frame::tangents;
 use crate::vector::Vector3;
 use crate::{Basis, MaterialDomain, Point, Weight};
 
@@ -202,9 +203,7 @@ impl Scratch {
     /// The gathered nodes as seen from a centre, nearest first. Returns the smallest distance of the outermost ones.
     pub fn look(&mut self, centre: &Centre, symmetry: &Symmetry) -> f64 {
         let normal = symmetry.within_planes(centre.point.into(), centre.normal).normalize();
-        let axis = Vector3::axis(normal.smallest_axis());
-        let t1 = (axis - normal * normal.dot(&axis)).normalize();
-        let t2 = normal.cross(&t1);
+        let (t1, t2) = tangents(&normal);
         let mut outer = f64::INFINITY;
         self.nodes.clear();
         for &(node, ref domain) in &self.around {

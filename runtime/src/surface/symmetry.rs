@@ -35,9 +35,7 @@ impl SymmetryPlane {
     /// # Panics
     /// If there is no such axis.
     pub fn across(axis: usize, point: Point) -> Self {
-        let mut normal = [0.0; 3];
-        normal[axis] = 1.0;
-        Self { point, normal }
+        Self { point, normal: Vector3::axis(axis).into() }
     }
 
     /// Distance of a point, positive on the side of the model.

@@ -74,13 +74,7 @@ impl Walk {
     /// asked before, however far the walk went for it.
     pub fn reaches(&mut self, index: &SurfaceIndex<'_>, creases: &Creases, place: usize) -> bool {
         let distance = self.square_distance(index, place as u32).to_bits();
-        while let Some(&Reverse((nearest, facet))) = self.next.peek()
-            && nearest <= distance
-        {
-            self.next.pop();
-            self.level = self.level.max(nearest);
-            self.step_on(index, creases, facet as usize);
-        }
+        self.go_on(index, creases, distance);
         let (generation, _, level) = self.reached[place];
         generation == self.generation && level <= distance
     }
@@ -95,13 +89,7 @@ impl Walk {
         found: &mut Vec<(u32, u32)>,
     ) -> bool {
         let limit = (reach * reach).to_bits();
-        while let Some(&Reverse((nearest, facet))) = self.next.peek()
-            && nearest <= limit
-        {
-            self.next.pop();
-            self.level = self.level.max(nearest);
-            self.step_on(index, creases, facet as usize);
-        }
+        self.go_on(index, creases, limit);
         found.clear();
         let mut is_all = self.next.is_empty();
         for &place in &self.corners {
@@ -124,6 +112,17 @@ impl Walk {
                 let square = (point - self.from).norm_squared();
                 square < reach * reach && level <= square.to_bits()
             });
+        }
+    }
+
+    /// Steps on the facets that are as near as this, the bits of a square.
+    fn go_on(&mut self, index: &SurfaceIndex<'_>, creases: &Creases, limit: u64) {
+        while let Some(&Reverse((nearest, facet))) = self.next.peek()
+            && nearest <= limit
+        {
+            self.next.pop();
+            self.level = self.level.max(nearest);
+            self.step_on(index, creases, facet as usize);
         }
     }
 

@@ -4,6 +4,7 @@ use std::collections::BinaryHeap;
 
 use super::Box3;
 use crate::Point;
+use crate::vector::bounds;
 
 /// Boxes around groups of points, `reach` wide around each point, at most so many: groups are halved across their longest side, the
 /// longest first. A box for each group leaves out what lies between.
@@ -42,13 +43,7 @@ struct Group {
 
 impl Group {
     fn of(points: Vec<Point>) -> Self {
-        let (mut low, mut high) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
-        for x in &points {
-            for k in 0..3 {
-                low[k] = low[k].min(x[k]);
-                high[k] = high[k].max(x[k]);
-            }
-        }
+        let [low, high] = bounds(points.iter().copied());
         let lengths = [0, 1, 2].map(|k: usize| high[k] - low[k]);
         let axis = (0..3).max_by(|&i, &j| lengths[i].total_cmp(&lengths[j])).unwrap_or(0);
         Self { points, bounds: [low, high], axis, length: lengths[axis] }

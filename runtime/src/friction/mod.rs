@@ -269,7 +269,7 @@ impl<'a> Coulomb<'a> {
         let Self { stiffness, shear_limit, .. } = *self;
         let pressure = normal.force;
         let at_rest = self.coefficient_of_rest(pressure);
-        if self.is_constant() && at_rest * pressure == 0.0 {
+        if matches!(self.coefficient, Coefficient::Constant(_)) && at_rest * pressure == 0.0 {
             return FrictionForce { state: FrictionState::Slip, kept: 0.0, ..FrictionForce::NONE };
         }
         if at_rest.is_nan() {
@@ -319,10 +319,6 @@ impl<'a> Coulomb<'a> {
             share,
             kept,
         }
-    }
-
-    const fn is_constant(&self) -> bool {
-        matches!(self.coefficient, Coefficient::Constant(_))
     }
 }
 

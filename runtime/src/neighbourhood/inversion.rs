@@ -139,11 +139,7 @@ impl Peeler {
 
     /// The largest angle between the directions of consecutive nodes among those counted, and the direction of its middle.
     fn free_angle(&mut self, counts: impl Fn(usize) -> bool) -> (f64, f64) {
-        self.sorted.clear();
-        let counted =
-            self.remaining.iter().enumerate().filter(|(k, image)| counts(*k) && image.node != GHOST);
-        self.sorted.extend(counted.map(|(_, image)| image.point[1].atan2(image.point[0])));
-        self.sorted.sort_unstable_by(f64::total_cmp);
+        self.sort_measures(counts, |[x, y]| y.atan2(x));
         let (Some(&first), Some(&last)) = (self.sorted.first(), self.sorted.last()) else {
             return (TAU, 0.0);
         };
@@ -169,13 +165,13 @@ impl Peeler {
 
     /// Distance of the hull's farthest node.
     fn farthest(&self) -> f64 {
-        self.hull.iter().map(|&vertex| norm(self.points[vertex]).recip()).fold(0.0, f64::max)
+        self.hull.iter().map(|&vertex| distance(self.points[vertex])).fold(0.0, f64::max)
     }
 
     /// Takes nodes that are too far away out of the layer. They wait for their turn.
     fn leave_far_nodes(&mut self) {
         let in_layer = std::mem::take(&mut self.in_layer);
-        self.sort_distances(|k| in_layer[k]);
+        self.sort_measures(|k| in_layer[k], distance);
         self.in_layer = in_layer;
         let Some(median) = self.sorted.get(self.sorted.len() / 2) else { return };
         let farthest = FARTHEST * median * (1.0 + TOLERANCE);
@@ -184,18 +180,18 @@ impl Peeler {
         }
     }
 
-    /// Sorts the distances of the nodes counted.
-    fn sort_distances(&mut self, counts: impl Fn(usize) -> bool) {
+    /// Sorts what there is to measure of the images counted.
+    fn sort_measures(&mut self, counts: impl Fn(usize) -> bool, measure: impl Fn(Point2) -> f64) {
         self.sorted.clear();
         let counted =
             self.remaining.iter().enumerate().filter(|(k, image)| counts(*k) && image.node != GHOST);
-        self.sorted.extend(counted.map(|(_, image)| norm(image.point).recip()));
+        self.sorted.extend(counted.map(|(_, image)| measure(image.point)));
         self.sorted.sort_unstable_by(f64::total_cmp);
     }
 
     /// Finds the hull with one fictitious node more: in the given direction, as far away as the third nearest.
     fn close_with_ghost(&mut self, direction: f64) {
-        self.sort_distances(|_| true);
+        self.sort_measures(|_| true, distance);
         let third = 2.min(self.sorted.len().saturating_sub(1));
         let Some(distance) = self.sorted.get(third) else { return };
         let point = [direction.cos() / distance, direction.sin() / distance];
@@ -260,6 +256,11 @@ fn cross(p: Point2, q: Point2) -> f64 {
 
 fn norm(p: Point2) -> f64 {
     dot(p, p).sqrt()
+}
+
+/// Of the node that is inverted to this image.
+fn distance(image: Point2) -> f64 {
+    norm(image).recip()
 }
 
 #[cfg(test)]

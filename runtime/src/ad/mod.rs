@@ -128,49 +128,40 @@ impl<W: RadialWeight> AdWith<W> {
     }
 }
 
-impl Backend for Ad {
-    fn coefficients(&self, element: &Element<'_>, mode: Mode) -> Result<Coefficients, ElementError> {
-        evaluate::coefficients(self.model(element)?, mode)
-    }
+/// A backend that evaluates its own model of the element.
+macro_rules! backend {
+    ($($backend:tt)+) => {
+        $($backend)+ {
+            fn coefficients(&self, element: &Element<'_>, mode: Mode) -> Result<Coefficients, ElementError> {
+                evaluate::coefficients(self.model(element)?, mode)
+            }
 
-    fn surface(&self, element: &Element<'_>, point: [f64; 2], mode: Mode) -> Result<Surface, ElementError> {
-        evaluate::surface(self.model(element)?, point, mode)
-    }
+            fn surface(
+                &self,
+                element: &Element<'_>,
+                point: [f64; 2],
+                mode: Mode,
+            ) -> Result<Surface, ElementError> {
+                evaluate::surface(self.model(element)?, point, mode)
+            }
 
-    fn gap(&self, element: &Element<'_>, mode: Mode) -> Result<Gap, ElementError> {
-        evaluate::gap(self.model(element)?, mode)
-    }
+            fn gap(&self, element: &Element<'_>, mode: Mode) -> Result<Gap, ElementError> {
+                evaluate::gap(self.model(element)?, mode)
+            }
 
-    fn foot_derivatives(&self, element: &Element<'_>) -> Result<FootDerivatives, ElementError> {
-        evaluate::foot_derivatives(self.model(element)?)
-    }
+            fn foot_derivatives(&self, element: &Element<'_>) -> Result<FootDerivatives, ElementError> {
+                evaluate::foot_derivatives(self.model(element)?)
+            }
 
-    fn slip(&self, element: &Element<'_>, anchor: Point, mode: Mode) -> Result<Slip, ElementError> {
-        evaluate::slip(self.model(element)?, anchor, mode)
-    }
+            fn slip(&self, element: &Element<'_>, anchor: Point, mode: Mode) -> Result<Slip, ElementError> {
+                evaluate::slip(self.model(element)?, anchor, mode)
+            }
+        }
+    };
 }
 
-impl<W: RadialWeight> Backend for AdWith<W> {
-    fn coefficients(&self, element: &Element<'_>, mode: Mode) -> Result<Coefficients, ElementError> {
-        evaluate::coefficients(self.model(element)?, mode)
-    }
-
-    fn surface(&self, element: &Element<'_>, point: [f64; 2], mode: Mode) -> Result<Surface, ElementError> {
-        evaluate::surface(self.model(element)?, point, mode)
-    }
-
-    fn gap(&self, element: &Element<'_>, mode: Mode) -> Result<Gap, ElementError> {
-        evaluate::gap(self.model(element)?, mode)
-    }
-
-    fn foot_derivatives(&self, element: &Element<'_>) -> Result<FootDerivatives, ElementError> {
-        evaluate::foot_derivatives(self.model(element)?)
-    }
-
-    fn slip(&self, element: &Element<'_>, anchor: Point, mode: Mode) -> Result<Slip, ElementError> {
-        evaluate::slip(self.model(element)?, anchor, mode)
-    }
-}
+backend!(impl Backend for Ad);
+backend!(impl<W: RadialWeight> Backend for AdWith<W>);
 
 /// Slave and masters, in the order of the degrees of freedom.
 fn coordinates_of(element: &Element<'_>) -> Vec<Point> {

@@ -165,6 +165,10 @@ impl Fault {
         Self::new(at, Problem::Unexpected { expected: expected.into(), found: excerpt(found.as_ref()) })
     }
 
+    pub fn unsupported(at: usize, feature: impl Into<String>, advice: &'static str) -> Self {
+        Self::new(at, Problem::UnsupportedFeature { feature: feature.into(), advice })
+    }
+
     /// The error for a text file: the byte becomes a line number.
     pub fn in_text(self, path: &Path, bytes: &[u8]) -> MeshError {
         let before = &bytes[..self.at.min(bytes.len())];

@@ -474,8 +474,7 @@ impl SetKind {
 }
 
 fn refused(keyword: &Keyword, advice: &'static str) -> Fault {
-    let feature = format!("*{} as used here", keyword.name);
-    Fault::new(keyword.at, Problem::UnsupportedFeature { feature, advice })
+    Fault::unsupported(keyword.at, format!("*{} as used here", keyword.name), advice)
 }
 
 fn parse_tag(field: &str, at: usize, what: &str) -> Result<u64, Fault> {

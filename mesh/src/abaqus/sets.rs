@@ -135,10 +135,12 @@ impl Room {
     }
 }
 
-struct Entry {
-    at: usize,
-    set: usize,
-    member: Member,
+/// That a set, or a surface, has a member.
+#[derive(Clone, Copy)]
+pub(super) struct Entry {
+    pub at: usize,
+    pub set: usize,
+    pub member: Member,
 }
 
 impl Sets {
@@ -156,29 +158,27 @@ impl Sets {
         let mut room = Room::new(self.of);
         // The same once more adds nothing.
         let mut known = HashSet::new();
-        for &Entry { at, set, member } in &self.entries {
-            if let Member::Tags { first, last, step } = member
-                && !known.insert((set, first, last, step))
+        for &entry in &self.entries {
+            if let Member::Tags { first, last, step } = entry.member
+                && !known.insert((entry.set, first, last, step))
             {
                 continue;
             }
-            let members = self.members(member, &sets, &find).map_err(|tag| {
-                let set = self.names.spelling(set).to_string();
-                Fault::new(at, Problem::MissingMember { set, member: format!("{} {tag}", self.of) })
-            })?;
-            room.take(members.0.len(), at)?;
-            sets[set].take(members);
+            let members = self.members(entry, &self.names, &sets, &find)?;
+            room.take(members.0.len(), entry.at)?;
+            sets[entry.set].take(members);
         }
         Ok(sets)
     }
 
-    /// The indices that a member stands for and the first element in it that was not read, or the first tag that does not exist.
+    /// The indices that a member stands for and the first element in it that was not read. `names`: of what has the member.
     pub fn members(
         &self,
-        member: Member,
+        Entry { at, set, member }: Entry,
+        names: &Names,
         sets: &[Content],
         find: impl Fn(u64) -> Found,
-    ) -> Result<(Vec<usize>, Option<u64>), u64> {
+    ) -> Result<(Vec<usize>, Option<u64>), Fault> {
         match member {
             Member::Set(number) => Ok((sets[number].indices.iter().copied().collect(), sets[number].unread)),
             Member::Tags { first, last, step } => {
@@ -206,7 +206,8 @@ impl Sets {
                 if let Some(gap) = gap
                     && (indices.is_empty() && unread.is_none() || gaps > MOST_GAPS + indices.len())
                 {
-                    return Err(gap);
+                    let (set, member) = (names.spelling(set).to_string(), format!("{} {gap}", self.of));
+                    return Err(Fault::new(at, Problem::MissingMember { set, member }));
                 }
                 Ok((indices, unread))
             }

@@ -3,7 +3,7 @@
 use std::collections::{BTreeMap, BTreeSet, HashSet};
 
 use super::SetKind;
-use super::sets::{Content, Found, Level, Member, Names, Room, Sets};
+use super::sets::{Content, Entry, Found, Level, Member, Names, Room, Sets};
 use crate::element::{Element, Facet};
 use crate::error::{Fault, Problem};
 
@@ -11,9 +11,9 @@ use crate::error::{Fault, Problem};
 #[derive(Default)]
 pub(super) struct Surfaces {
     of_faces: Names,
-    faces: Vec<FaceEntry>,
+    faces: Vec<(Entry, Face)>,
     of_nodes: Names,
-    nodes: Vec<NodeEntry>,
+    nodes: Vec<Entry>,
     /// The first identifier of each surface of faces that is none of a whole facet.
     unsupported: BTreeMap<usize, String>,
     /// What is in the entries, those of nodes without a face: the same once more adds nothing.
@@ -28,19 +28,6 @@ pub(super) struct Faces {
     pub unread: Option<u64>,
     /// The first identifier in it that is not supported.
     pub unsupported: Option<String>,
-}
-
-struct FaceEntry {
-    at: usize,
-    surface: usize,
-    member: Member,
-    face: Face,
-}
-
-struct NodeEntry {
-    at: usize,
-    surface: usize,
-    member: Member,
 }
 
 /// A face identifier.
@@ -104,7 +91,7 @@ impl Surfaces {
 
     pub fn add_nodes(&mut self, surface: usize, member: Member, at: usize) {
         if self.known.insert((surface, member, None)) {
-            self.nodes.push(NodeEntry { at, surface, member });
+            self.nodes.push(Entry { at, set: surface, member });
         }
     }
 
@@ -118,7 +105,7 @@ impl Surfaces {
             return Err(Fault::unexpected(at, form, face));
         };
         if self.known.insert((surface, member, Some(face))) {
-            self.faces.push(FaceEntry { at, surface, member, face });
+            self.faces.push((Entry { at, set: surface, member }, face));
         }
         Ok(())
     }
@@ -136,12 +123,10 @@ impl Surfaces {
             surfaces[surface].unsupported = Some(face.clone());
         }
         let mut room = Room::new(element_sets.of);
-        self.faces.iter().try_for_each(|entry| room.take(entry.member.count(elements_in), entry.at))?;
+        self.faces.iter().try_for_each(|(entry, _)| room.take(entry.member.count(elements_in), entry.at))?;
         let mut seen = HashSet::new();
-        for &FaceEntry { at, surface, member, face } in &self.faces {
-            let (indices, unread) = element_sets
-                .members(member, elements_in, &find)
-                .map_err(|tag| missing(&self.of_faces, surface, "element", tag, at))?;
+        for &(entry @ Entry { at, set: surface, .. }, face) in &self.faces {
+            let (indices, unread) = element_sets.members(entry, &self.of_faces, elements_in, &find)?;
             surfaces[surface].unread = surfaces[surface].unread.or(unread);
             for index in indices {
                 let facets = face.facets(&elements[index]);
@@ -172,12 +157,10 @@ impl Surfaces {
         let mut surfaces = vec![(0, BTreeSet::new()); self.of_nodes.count()];
         let mut room = Room::new(node_sets.of);
         self.nodes.iter().try_for_each(|entry| room.take(entry.member.count(nodes_in), entry.at))?;
-        for &NodeEntry { at, surface, member } in &self.nodes {
-            let (members, _) = node_sets
-                .members(member, nodes_in, &find)
-                .map_err(|tag| missing(&self.of_nodes, surface, "node", tag, at))?;
-            surfaces[surface].0 = at;
-            surfaces[surface].1.extend(members);
+        for &entry in &self.nodes {
+            let (members, _) = node_sets.members(entry, &self.of_nodes, nodes_in, &find)?;
+            surfaces[entry.set].0 = entry.at;
+            surfaces[entry.set].1.extend(members);
         }
         Ok(surfaces)
     }
@@ -196,8 +179,7 @@ impl Surfaces {
                 Some((_, others)) if *others == nodes => {}
                 Some(_) => {
                     let feature = format!("a *SURFACE of nodes with the name {name:?} of a different *NSET");
-                    let advice = "rename one of the two";
-                    return Err(Fault::new(at, Problem::UnsupportedFeature { feature, advice }));
+                    return Err(Fault::unsupported(at, feature, "rename one of the two"));
                 }
                 None => {
                     node_sets.insert(name, nodes);
@@ -211,11 +193,6 @@ impl Surfaces {
     pub fn publish<T>(&self, of_faces: Vec<T>, owner: &str) -> BTreeMap<String, T> {
         self.of_faces.publish(of_faces, owner)
     }
-}
-
-fn missing(names: &Names, surface: usize, what: &str, tag: u64, at: usize) -> Fault {
-    let set = names.spelling(surface).to_string();
-    Fault::new(at, Problem::MissingMember { set, member: format!("{what} {tag}") })
 }
 
 fn wrong_face(face: Face, element: &Element) -> Problem {

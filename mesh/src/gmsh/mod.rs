@@ -55,13 +55,9 @@ impl File {
                 b"$Nodes" => file.read_nodes(source)?,
                 b"$Elements" => file.read_elements(source)?,
                 b"$PartitionedEntities" => {
-                    return Err(Fault::new(
-                        at,
-                        Problem::UnsupportedFeature {
-                            feature: "a partitioned mesh ($PartitionedEntities)".into(),
-                            advice: "save it unpartitioned (in Gmsh: Mesh, Unpartition)",
-                        },
-                    ));
+                    let feature = "a partitioned mesh ($PartitionedEntities)";
+                    let advice = "save it unpartitioned (in Gmsh: Mesh, Unpartition)";
+                    return Err(Fault::unsupported(at, feature, advice));
                 }
                 _ => match heading.strip_prefix(b"$").map(std::str::from_utf8) {
                     Some(Ok(section)) if !section.starts_with("End") => source.skip_section(section)?,
@@ -282,13 +278,8 @@ fn read_format(source: &mut Source) -> Result<(), Fault> {
         ("0", _) => {}
         ("1", "8") => source.byte_order()?,
         ("1", _) => {
-            return Err(Fault::new(
-                at,
-                Problem::UnsupportedFeature {
-                    feature: format!("a size_t of {size} bytes"),
-                    advice: "save the mesh on a 64-bit machine or as ASCII",
-                },
-            ));
+            let advice = "save the mesh on a 64-bit machine or as ASCII";
+            return Err(Fault::unsupported(at, format!("a size_t of {size} bytes"), advice));
         }
         _ => return Err(Fault::unexpected(at, FORM, line)),
     }

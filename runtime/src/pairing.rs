@@ -7,7 +7,7 @@ use rstar::RTree;
 use rstar::primitives::GeomWithData;
 
 use crate::neighbourhood::in_plane;
-use crate::vector::Vector3;
+use crate::vector::{Vector3, squared_distance};
 use crate::{Basis, Domains, Element, ElementError, Frame, MaterialNode, Point, Weight};
 
 /// The support radius is this factor times the largest in-plane distance of a master node from the slave.
@@ -158,9 +158,4 @@ pub fn node_normals<F: AsRef<[usize]>>(points: &[Point], facets: &[F]) -> Vec<Po
 /// that a few large facets do not outweigh the others.
 pub fn outward(normals: &[Point], masters: &[usize]) -> Point {
     masters.iter().filter_map(|&k| Vector3::from(normals[k]).try_normalize()).sum::<Vector3>().into()
-}
-
-/// Square of the Euclidean distance.
-fn squared_distance(a: Point, b: Point) -> f64 {
-    (Vector3::from(a) - Vector3::from(b)).norm_squared()
 }

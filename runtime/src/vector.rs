@@ -112,6 +112,12 @@ impl IndexMut<usize> for Vector3 {
     }
 }
 
+/// Square of the distance of two points.
+pub(crate) fn squared_distance(x: Point, y: Point) -> f64 {
+    let [a, b, c] = [x[0] - y[0], x[1] - y[1], x[2] - y[2]];
+    a * a + b * b + c * c
+}
+
 /// The lowest and the highest coordinates of points; of none they are infinite, and the other way round.
 pub(crate) fn bounds(points: impl Iterator<Item = Point>) -> [Point; 2] {
     let none = [f64::INFINITY, f64::NEG_INFINITY].map(|x| Vector3([x; 3]));

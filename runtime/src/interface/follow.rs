@@ -13,6 +13,7 @@ use crate::Point;
 use crate::neighbourhood::SearchOptions;
 use crate::pairing::NearestNodes;
 use crate::surface::{Creases, check_position};
+use crate::vector::squared_distance;
 
 /// Which slaves are paired, and how.
 struct Pairs<'a> {
@@ -161,10 +162,7 @@ impl ContactInterface {
         if self.known.as_ref().is_some_and(|known| !known.holds_at(positions)) {
             return None;
         }
-        let square = |node: usize| {
-            let [a, b, c] = [0, 1, 2].map(|axis| positions[node][axis] - listed.positions[node][axis]);
-            a * a + b * b + c * c
-        };
+        let square = |node: usize| squared_distance(positions[node], listed.positions[node]);
         let masters =
             self.master.nodes().iter().map(|&node| square(node as usize)).fold(0.0, f64::max).sqrt();
         let Pairings { layout, holds, .. } = &self.pairings;

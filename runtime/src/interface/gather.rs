@@ -8,8 +8,8 @@ use super::scratch::ElementScratch;
 use super::within_reach::{Gathered, PointsWithinReach, WithinReach};
 use crate::material::{Sought, places as side_by_side};
 use crate::surface::{Listed, NONE, between};
-use crate::vector::Vector3;
-use crate::{Domains, Element, ElementError, MaterialPlace, Point, Weight};
+use crate::vector::{Vector3, squared_distance};
+use crate::{Domains, Element, ElementError, MaterialPlace, Weight};
 
 impl Evaluator<'_> {
     /// The points of paired slaves' elements: those of their nodes, and of their images, that are within reach at these positions, in
@@ -38,7 +38,7 @@ impl Evaluator<'_> {
                     let node = domains[k].from(place);
                     if node.square() < 1.0 {
                         (points[kept], sources[kept]) = (points[k], sources[k]);
-                        square = square.max(distance_squared(points[kept], sought.slave));
+                        square = square.max(squared_distance(points[kept], sought.slave));
                         nodes.push(node);
                         listed.push(sources[kept].ends[0]);
                         kept += 1;
@@ -157,9 +157,4 @@ impl Evaluator<'_> {
             .with_basis(paired.record.basis)
             .with_weight(weight)
     }
-}
-
-fn distance_squared(x: Point, y: Point) -> f64 {
-    let [a, b, c] = [x[0] - y[0], x[1] - y[1], x[2] - y[2]];
-    a * a + b * b + c * c
 }

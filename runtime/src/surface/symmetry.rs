@@ -5,7 +5,7 @@ use std::f64::consts::PI;
 use super::SurfaceError;
 use super::extents::Extents;
 use crate::Point;
-use crate::vector::Vector3;
+use crate::vector::{Vector3, squared_distance};
 
 /// Images of the surface are kept as far from it as so many of its largest facets.
 const IMAGES_REACH: f64 = 8.0;
@@ -243,9 +243,7 @@ impl Symmetry {
         if self.planes.iter().all(|plane| plane.distance(centre) > reach) {
             return;
         }
-        let near = |x: Point, y: Point, reach: f64| {
-            (Vector3::from(x) - Vector3::from(y)).norm_squared() < reach * reach
-        };
+        let near = |x: Point, y: Point, reach: f64| squared_distance(x, y) < reach * reach;
         for (number, image) in self.images.iter().enumerate() {
             let x = image.of(node);
             // A node in a plane is its own image there, and images in two planes may be one point.
@@ -261,11 +259,8 @@ impl Symmetry {
 
     /// The images, other than the model itself, in which a node is where it is.
     pub fn images_at(&self, node: Point) -> impl Iterator<Item = &Image> {
-        let is_there = move |image: &Image| {
-            (Vector3::from(image.of(node)) - Vector3::from(node)).norm_squared()
-                < self.tolerance * self.tolerance
-        };
-        self.images.iter().filter(move |image| is_there(image))
+        let near = self.tolerance * self.tolerance;
+        self.images.iter().filter(move |image| squared_distance(image.of(node), node) < near)
     }
 
     /// The direction without what points out of the planes that hold `point`: that of the surface with its images there.

@@ -86,8 +86,9 @@ impl<'a> FacePlaces<'a> {
 }
 
 /// Where a node is in a list that has it.
-fn place(list: &[u32], node: u32) -> usize {
-    list.binary_search(&node).unwrap_or_else(|_| unreachable!("lists hold all nodes of their points"))
+pub fn place(list: &[u32], node: u32) -> usize {
+    list.binary_search(&node)
+        .unwrap_or_else(|_| unreachable!("lists hold all nodes of their points and histories"))
 }
 
 /// What goes from point to point.

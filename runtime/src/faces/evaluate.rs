@@ -4,7 +4,7 @@ use std::sync::Mutex;
 
 use rayon::prelude::*;
 
-use super::block::{FaceBlock, FaceLoad, FacePlaces, FaceView, PointContact, PointScratch};
+use super::block::{FaceBlock, FaceLoad, FacePlaces, FaceView, PointContact, PointScratch, place};
 use super::contacts::{FaceContacts, FacePart, FrictionBlock, NodeBlock, NodeContact};
 use super::cut::FacePoint;
 use super::friction::Traction;
@@ -441,9 +441,7 @@ impl NodeBlock {
                 }
             }
             for (node, weight) in track.terms() {
-                let Ok(place) = self.columns.binary_search(&node) else {
-                    unreachable!("columns have all nodes of the history")
-                };
+                let place = place(&self.columns, node);
                 for axis in 0..3 {
                     row[3 * place + axis] += weight * traction.by_way[i][axis];
                 }

@@ -13,6 +13,7 @@
 use diffuse_contact_kernels::friction_over_pressure;
 use rayon::prelude::*;
 
+use super::block::place;
 use super::contacts::NodeContact;
 use super::evaluate::{Averages, PointStates};
 use super::quadratic::Carrying;
@@ -366,11 +367,7 @@ impl FaceInterface {
             let [a, b, c, ..] = *contact.gradient else { return };
             let Some(along) = Vector3::from([a, b, c]).try_normalize() else { return };
             let Some(carried) = over.carried(&self.positions, x, along.into(), Mode::Value) else { return };
-            let rows = &self.cuts[face].rows;
-            let place = |node: usize| {
-                rows.binary_search(&(node as u32))
-                    .unwrap_or_else(|_| unreachable!("rows hold all nodes of their points"))
-            };
+            let place = |node: usize| place(&self.cuts[face].rows, node as u32);
             let functions = shape_of(&self.faces[face], &self.positions).functions(point.natural);
             let pressure = points.pressures.get(contact.slave - self.positions.len()).map(|own| own.force);
             for (corner, n) in functions.into_iter().enumerate().take(self.faces[face].corners().len()) {

@@ -8,7 +8,7 @@ use num_dual::Dual;
 
 use super::drive::{Quantity, differentiate_at};
 use super::evaluate::slip_of;
-use super::linear::{Scalar, determinant, inverse};
+use super::linear::{Scalar, determinant, dot, inverse};
 use super::{Ad, finite};
 use crate::{ContactPoint, ElementError, FacetElement, FacetPoint, FootDerivatives, Gap, Mode, Point, Slip};
 
@@ -419,10 +419,6 @@ fn length2([a, b]: [f64; 2]) -> f64 {
 
 fn minus<D: Scalar>(x: [D; 3], y: [D; 3]) -> [D; 3] {
     std::array::from_fn(|k| x[k] - y[k])
-}
-
-fn dot<D: Scalar>(x: [D; 3], y: [D; 3]) -> D {
-    x[0] * y[0] + x[1] * y[1] + x[2] * y[2]
 }
 
 fn cross<D: Scalar>(x: [D; 3], y: [D; 3]) -> [D; 3] {

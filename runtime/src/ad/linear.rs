@@ -70,6 +70,10 @@ pub(super) fn solve_cholesky<D: Scalar>(
     Ok(vector)
 }
 
+pub(super) fn dot<D: Scalar>(x: [D; 3], y: [D; 3]) -> D {
+    x[0] * y[0] + x[1] * y[1] + x[2] * y[2]
+}
+
 pub(super) fn determinant([[a, b], [c, d]]: &[[f64; 2]; 2]) -> f64 {
     a * d - b * c
 }

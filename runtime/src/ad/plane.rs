@@ -5,7 +5,7 @@
 //! derivatives come from Newton steps on C n = λ n over dual numbers taken at the given normal, as those of the foot do: no derivative of
 //! the plane is written down.
 
-use super::linear::Scalar;
+use super::linear::{Scalar, dot, inverse};
 use crate::{Element, ElementError, Point};
 
 /// A pivot of the real equations for the plane's turn has to exceed this fraction of the principal moment it
@@ -70,10 +70,7 @@ impl AveragePlane {
         if !(second > PIVOT_TOLERANCE) {
             return unstable(second);
         }
-        let determinant = j_11 * j_22 - j_12 * j_12;
-        let inverse_jacobian =
-            [[j_22 / determinant, -j_12 / determinant], [-j_12 / determinant, j_11 / determinant]];
-        let plane = Self { inverse_jacobian, ..plane };
+        let plane = Self { inverse_jacobian: inverse(&[[j_11, j_12], [j_12, j_22]]), ..plane };
 
         let deviation =
             plane.step(residual(&scatter, [0.0; 2])).map(f64::abs).into_iter().fold(0.0, f64::max);
@@ -136,10 +133,6 @@ fn products<D: Scalar>([a, b, z]: [D; 3]) -> Scatter<D> {
 fn residual<D: Scalar>([c_11, c_12, c_22, c_13, c_23, c_33]: &Scatter<D>, [p, q]: [D; 2]) -> [D; 2] {
     let lambda = *c_13 * p + *c_23 * q + *c_33;
     [*c_11 * p + *c_12 * q + *c_13 - lambda * p, *c_12 * p + *c_22 * q + *c_23 - lambda * q]
-}
-
-fn dot<D: Scalar>(x: [D; 3], y: [D; 3]) -> D {
-    x[0] * y[0] + x[1] * y[1] + x[2] * y[2]
 }
 
 fn normalised<D: Scalar>(x: [D; 3]) -> [D; 3] {

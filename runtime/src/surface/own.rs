@@ -151,11 +151,9 @@ impl OwnSurface {
         facet: u32,
     ) -> Option<f64> {
         let corners = surface.corners_of(own as usize);
-        corners
-            .iter()
-            .all(|&place| self.is_apart(surface, domains, place as usize, facet))
-            .then(|| corners.iter().map(|&place| self.depth(surface, place as usize, facet)))
-            .map(|depths| depths.fold(f64::INFINITY, f64::min))
+        let is_apart = corners.iter().all(|&place| self.is_apart(surface, domains, place as usize, facet));
+        let depths = corners.iter().map(|&place| self.depth(surface, place as usize, facet));
+        is_apart.then(|| depths.fold(f64::INFINITY, f64::min))
     }
 
     /// Whether a facet is far from a node along the skin, and not its back.

@@ -2,7 +2,7 @@
 
 use std::collections::BinaryHeap;
 
-use super::Box3;
+use super::{Box3, widened};
 use crate::Point;
 use crate::vector::bounds;
 
@@ -29,8 +29,7 @@ pub fn boxes_around(points: &[Point], reach: f64, most: usize) -> Vec<Box3> {
         let last = groups.len() - 1;
         longest.extend([place, last - 1, last].map(|k| key(&groups, k)));
     }
-    let widened = |[low, high]: Box3| [low.map(|x| x - reach), high.map(|x| x + reach)];
-    groups.into_iter().map(|group| widened(group.bounds)).collect()
+    groups.into_iter().map(|group| widened(group.bounds, reach)).collect()
 }
 
 struct Group {

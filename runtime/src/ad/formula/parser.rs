@@ -105,15 +105,11 @@ impl<'t> Parser<'t> {
                 self.advance();
                 Ok(self.push(Step::Radius))
             }
-            "sqrt" => {
+            function @ ("sqrt" | "exp") => {
                 self.advance();
                 let argument = self.enclosed("(", ")", "`)`")?;
-                Ok(self.push(Step::Sqrt(argument)))
-            }
-            "exp" => {
-                self.advance();
-                let argument = self.enclosed("(", ")", "`)`")?;
-                Ok(self.push(Step::Exp(argument)))
+                let step = if function == "sqrt" { Step::Sqrt(argument) } else { Step::Exp(argument) };
+                Ok(self.push(step))
             }
             "if" => self.nested(Self::piecewise),
             "else" => Err(self.unexpected("a number, `r`, a function or `(`")),

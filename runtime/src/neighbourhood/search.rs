@@ -108,9 +108,11 @@ impl NeighbourSearch {
         }
     }
 
-    /// Number of nodes below which no admitted fit exists.
-    fn needed(&self) -> usize {
-        if self.options.linear_fallback { Basis::Linear.size() } else { self.options.basis.size() }
+    /// How many candidates there are: no fewer than an admitted fit needs.
+    fn count_candidates(&self) -> Result<usize, NeighbourhoodError> {
+        let basis = if self.options.linear_fallback { Basis::Linear } else { self.options.basis };
+        let (found, needed) = (self.candidates.nodes.len(), basis.size());
+        if found < needed { Err(NeighbourhoodError::NoCandidate { found, needed }) } else { Ok(found) }
     }
 
     /// Takes as many candidates as it needs to be sure of the layers.
@@ -186,10 +188,7 @@ impl NeighbourSearch {
         wanted: &mut usize,
     ) -> Result<(Projection, bool), NeighbourhoodError> {
         self.candidates.gather(query, *wanted);
-        let (found, needed) = (self.candidates.nodes.len(), self.needed());
-        if found < needed {
-            return Err(NeighbourhoodError::NoCandidate { found, needed });
-        }
+        self.count_candidates()?;
         let mut first = Projection::new(query, &self.candidates, &mut self.offsets);
         while let Err(NeighbourhoodError::NoAveragePlane { middle, .. }) = first
             && !(middle > NARROW)
@@ -291,10 +290,7 @@ impl NeighbourSearch {
         let fewest = count.max(self.options.basis.size());
         self.candidates.gather(query, max_count.max(fewest));
         self.candidates.nodes.truncate(max_count.max(fewest));
-        let (found, needed) = (self.candidates.nodes.len(), self.needed());
-        if found < needed {
-            return Err(NeighbourhoodError::NoCandidate { found, needed });
-        }
+        let found = self.count_candidates()?;
         let mut attempts = Attempts::new(&self.options, &self.candidates);
         let mut reason = None;
         for taken in fewest.min(found)..=found {

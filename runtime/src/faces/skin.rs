@@ -34,6 +34,7 @@ pub struct Skin {
 /// One face.
 #[derive(Clone, Debug, Default)]
 pub struct SkinFace {
+    /// How many it has.
     corners: usize,
     /// Nodes that carry it, and images of them, ascending.
     pub carriers: Vec<Carrier>,

@@ -1,13 +1,17 @@
 //! Slices of arrays. The Python part passes contiguous arrays of the right type, which is checked here once more.
 
 use diffuse_contact::Point;
+use diffuse_contact::assembly::Triplets;
 use diffuse_contact::faces::QuadraticFace;
 use diffuse_contact::surface::Facet;
-use numpy::{Element, PyArray, PyArrayMethods, PyReadonlyArray, PyReadwriteArray};
+use numpy::{Element, PyArray, PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray, PyReadwriteArray};
 use pyo3::prelude::*;
 use pyo3::types::{PyList, PyString};
 
 use crate::errors;
+
+pub type Numbers<'py> = Bound<'py, PyArray1<f64>>;
+pub type Indices<'py> = Bound<'py, PyArray1<i64>>;
 
 /// A list of words, of which there are few different ones: each is one object, however often it stands there.
 pub fn words<'py>(
@@ -85,18 +89,25 @@ pub fn indices<D: numpy::ndarray::Dimension>(
     slice(py, array)?.iter().map(index).collect()
 }
 
-/// Rows of 6, 8 or 9 nodes.
-pub fn quadratic_faces(
-    py: Python<'_>,
-    array: &PyReadonlyArray<'_, i64, numpy::ndarray::Ix2>,
-) -> PyResult<Vec<QuadraticFace>> {
-    let width = array.as_array().ncols();
-    let nodes = indices(py, "quadratic", array)?;
-    let face = |row: &[usize]| {
-        let message = format!("quadratic: faces have 6, 8 or 9 nodes, not {width}");
-        QuadraticFace::new(row).ok_or_else(|| errors::input(py, "wrong-shape", &message))
-    };
-    nodes.chunks(width.max(1)).map(face).collect()
+/// Rows of 6, 8 or 9 nodes, of all arrays.
+pub fn quadratic_faces(py: Python<'_>, arrays: &[Bound<'_, PyArray2<i64>>]) -> PyResult<Vec<QuadraticFace>> {
+    let mut faces = Vec::new();
+    for array in arrays {
+        let array = readable(array)?;
+        let width = array.as_array().ncols();
+        for row in indices(py, "quadratic", &array)?.chunks(width.max(1)) {
+            let message = format!("quadratic: faces have 6, 8 or 9 nodes, not {width}");
+            faces.push(QuadraticFace::new(row).ok_or_else(|| errors::input(py, "wrong-shape", &message))?);
+        }
+    }
+    Ok(faces)
+}
+
+/// Rows, columns and values.
+pub fn of_triplets<'py>(py: Python<'py>, triplets: &Triplets) -> (Indices<'py>, Indices<'py>, Numbers<'py>) {
+    let indices = |all: &[usize]| PyArray1::from_iter(py, all.iter().map(|&index| index as i64));
+    let values = PyArray1::from_slice(py, triplets.values());
+    (indices(triplets.rows()), indices(triplets.columns()), values)
 }
 
 /// Rows of four corners, the last one −1 for a triangle.

@@ -6,7 +6,7 @@ use numpy::PyArray1;
 use pyo3::prelude::*;
 use pyo3::types::PyList;
 
-use crate::arrays::{slice_mut, words, writable};
+use crate::arrays::{Indices, Numbers, of_triplets, slice_mut, words, writable};
 use crate::errors::Raise;
 use crate::interface::{Interface, shared};
 use crate::law::Law;
@@ -20,7 +20,7 @@ impl Interface {
     }
 
     /// Adds the contact forces on the nodes; returns the number of contacts that carry force.
-    fn add_forces(slf: &Bound<'_, Self>, law: Law<'_>, forces: &Bound<'_, PyArray1<f64>>) -> PyResult<usize> {
+    fn add_forces(slf: &Bound<'_, Self>, law: Law<'_>, forces: &Numbers<'_>) -> PyResult<usize> {
         let py = slf.py();
         let this = shared(slf)?;
         let own = law.own(py)?;
@@ -32,12 +32,11 @@ impl Interface {
     }
 
     /// Rows, columns and values of the tangents of all contacts that carry force, one after the other.
-    #[allow(clippy::type_complexity)]
     fn triplets<'py>(
         slf: &Bound<'py, Self>,
         law: Law<'py>,
         lower: bool,
-    ) -> PyResult<(Bound<'py, PyArray1<i64>>, Bound<'py, PyArray1<i64>>, Bound<'py, PyArray1<f64>>)> {
+    ) -> PyResult<(Indices<'py>, Indices<'py>, Numbers<'py>)> {
         let py = slf.py();
         let this = shared(slf)?;
         let own = law.own(py)?;
@@ -48,17 +47,11 @@ impl Interface {
         let list = &mut triplets;
         let filled = threads::run(py, || list.fill(contacts, &law, dofs, triangle));
         filled.map_err(|error| error.raise(py))?;
-        let numbers =
-            |numbers: &[usize]| PyArray1::from_iter(py, numbers.iter().map(|&number| number as i64));
-        Ok((
-            numbers(triplets.rows()),
-            numbers(triplets.columns()),
-            PyArray1::from_slice(py, triplets.values()),
-        ))
+        Ok(of_triplets(py, &triplets))
     }
 
     /// Normal contact force of every slave, max(0, λ − ε g) or that of a normal law; 0 where there is no contact.
-    fn normal_forces<'py>(slf: &Bound<'py, Self>, law: Law<'py>) -> PyResult<Bound<'py, PyArray1<f64>>> {
+    fn normal_forces<'py>(slf: &Bound<'py, Self>, law: Law<'py>) -> PyResult<Numbers<'py>> {
         let py = slf.py();
         let this = shared(slf)?;
         let own = law.own(py)?;
@@ -78,11 +71,10 @@ impl Interface {
     }
 
     /// Traction, state and slip of every slave.
-    #[allow(clippy::type_complexity)]
     fn friction<'py>(
         slf: &Bound<'py, Self>,
         law: Law<'py>,
-    ) -> PyResult<(Bound<'py, PyArray1<f64>>, Bound<'py, PyList>, Bound<'py, PyArray1<f64>>)> {
+    ) -> PyResult<(Numbers<'py>, Bound<'py, PyList>, Numbers<'py>)> {
         let py = slf.py();
         let this = shared(slf)?;
         let own = law.own(py)?;

@@ -12,9 +12,12 @@ use numpy::{PyArray1, PyArray2};
 use pyo3::prelude::*;
 use pyo3::types::PyList;
 
-use crate::arrays::{facets, points, quadratic_faces, readable, slice, slice_mut, words, writable};
+use crate::arrays::{
+    Indices, Numbers, facets, of_triplets, points, quadratic_faces, readable, slice, slice_mut, words,
+    writable,
+};
 use crate::errors::{self, Raise};
-use crate::interface::{dofs_of, exclusive, planes, shared};
+use crate::interface::{Equations, dofs_of, exclusive, planes, shared};
 use crate::law::Law;
 use crate::options::{self, Options};
 use crate::surface::Surface;
@@ -24,7 +27,7 @@ use crate::window::Window;
 /// The flat facets of faces of second order: rows of four corners, the last one −1 for a triangle.
 #[pyfunction]
 pub fn flat_facets<'py>(py: Python<'py>, faces: &Bound<'py, PyArray2<i64>>) -> PyResult<Indices<'py>> {
-    let faces = quadratic_faces(py, &readable(faces)?)?;
+    let faces = quadratic_faces(py, std::slice::from_ref(faces))?;
     let row = |facet: Facet| match facet {
         Facet::Triangle([a, b, c]) => [a as i64, b as i64, c as i64, -1],
         Facet::Quadrilateral(corners) => corners.map(|node| node as i64),
@@ -40,9 +43,6 @@ pub struct Faces {
     pub current: bool,
 }
 
-type Numbers<'py> = Bound<'py, PyArray1<f64>>;
-type Indices<'py> = Bound<'py, PyArray1<i64>>;
-
 /// With the rule of this degree, and pressures of these.
 fn face_options(py: Python<'_>, options: Options, degree: usize, pressures: &str) -> PyResult<FaceOptions> {
     let rule = FaceRule::ALL.into_iter().find(|rule| rule.degree() == degree).ok_or_else(|| {
@@ -52,8 +52,6 @@ fn face_options(py: Python<'_>, options: Options, degree: usize, pressures: &str
     let pressures = options::named(py, "pressures", pressures, &known)?;
     Ok(FaceOptions::new(options.interface(py, false)?).with_rule(rule).with_pressures(pressures))
 }
-
-type Equations<'py> = Option<(usize, Bound<'py, PyArray2<i64>>)>;
 
 impl Faces {
     fn contacts(&self, py: Python<'_>) -> PyResult<&FaceContacts> {
@@ -91,10 +89,7 @@ impl Faces {
         let dofs = dofs_of(py, equations, positions.len())?;
         let master = master.surface.clone();
         let planes = planes(py, symmetry)?;
-        let mut curved = Vec::new();
-        for rows in &quadratic {
-            curved.extend(quadratic_faces(py, &readable(rows)?)?);
-        }
+        let curved = quadratic_faces(py, &quadratic)?;
         let made = threads::run(py, || {
             let mut interface = match &faces {
                 Some(faces) => FaceInterface::new(master, faces, positions, options)?,
@@ -132,12 +127,8 @@ impl Faces {
         let options = face_options(py, options, degree, pressures)?;
         let dofs = dofs_of(py, equations, positions.len())?;
         let (master, slave) = (&master.window, &slave.window);
-        let [mut below, mut above] = [Vec::new(), Vec::new()];
-        for (all, own) in quadratic.iter().zip([&mut below, &mut above]) {
-            for rows in all {
-                own.extend(quadratic_faces(py, &readable(rows)?)?);
-            }
-        }
+        let [below, above] = quadratic;
+        let (below, above) = (quadratic_faces(py, &below)?, quadratic_faces(py, &above)?);
         let made = threads::run(py, || {
             let mut interface = FaceInterface::in_window(master, slave, positions, options)?;
             if !(below.is_empty() && above.is_empty()) {
@@ -212,7 +203,6 @@ impl Faces {
     }
 
     /// Gaps, area, pressure and normal of every node, and its outcome; NaN where there is no contact, but for area and pressure.
-    #[allow(clippy::type_complexity)]
     fn nodes<'py>(
         slf: &Bound<'py, Self>,
     ) -> PyResult<(Numbers<'py>, Numbers<'py>, Numbers<'py>, Numbers<'py>, Bound<'py, PyList>)> {
@@ -233,7 +223,6 @@ impl Faces {
     }
 
     /// Of every point with a contact: its face, position, area, gap, normal, pressure and traction.
-    #[allow(clippy::type_complexity)]
     fn points<'py>(slf: &Bound<'py, Self>) -> PyResult<(Indices<'py>, [Numbers<'py>; 6])> {
         let py = slf.py();
         let this = shared(slf)?;
@@ -263,7 +252,7 @@ impl Faces {
     }
 
     /// Adds the contact forces on the nodes; returns the number of nodes that carry pressure.
-    fn add_forces(slf: &Bound<'_, Self>, forces: &Bound<'_, PyArray1<f64>>) -> PyResult<usize> {
+    fn add_forces(slf: &Bound<'_, Self>, forces: &Numbers<'_>) -> PyResult<usize> {
         let py = slf.py();
         let this = shared(slf)?;
         let mut forces = writable(forces)?;
@@ -294,8 +283,8 @@ impl Faces {
     fn add_product(
         slf: &Bound<'_, Self>,
         tangent: &str,
-        v: &Bound<'_, PyArray1<f64>>,
-        product: &Bound<'_, PyArray1<f64>>,
+        v: &Numbers<'_>,
+        product: &Numbers<'_>,
     ) -> PyResult<()> {
         let py = slf.py();
         let this = shared(slf)?;
@@ -319,12 +308,6 @@ impl Faces {
         let (contacts, dofs) = (this.contacts(py)?, &this.dofs);
         let made = threads::run(py, || contacts.triplets(tangent, dofs));
         let triplets = made.map_err(|error| error.raise(py))?;
-        let numbers =
-            |numbers: &[usize]| PyArray1::from_iter(py, numbers.iter().map(|&number| number as i64));
-        Ok((
-            numbers(triplets.rows()),
-            numbers(triplets.columns()),
-            PyArray1::from_slice(py, triplets.values()),
-        ))
+        Ok(of_triplets(py, &triplets))
     }
 }

@@ -3,7 +3,7 @@
 use numpy::PyArray1;
 use pyo3::prelude::*;
 
-use crate::arrays::{readable, slice};
+use crate::arrays::{Numbers, readable, slice};
 use crate::errors::{self, Raise};
 use crate::faces::Faces;
 use crate::interface::{Interface, exclusive, shared};
@@ -53,10 +53,7 @@ macro_rules! has_history {
             }
 
             /// How far each slave is from Coulomb's law without ε_T.
-            fn slip_errors<'py>(
-                slf: &Bound<'py, Self>,
-                law: Law<'py>,
-            ) -> PyResult<Bound<'py, PyArray1<f64>>> {
+            fn slip_errors<'py>(slf: &Bound<'py, Self>, law: Law<'py>) -> PyResult<Numbers<'py>> {
                 let py = slf.py();
                 let this = shared(slf)?;
                 let own = law.own(py)?;
@@ -76,17 +73,17 @@ macro_rules! has_history {
             }
 
             /// The history of friction as plain numbers.
-            fn history<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyArray1<f64>>> {
+            fn history<'py>(slf: &Bound<'py, Self>) -> PyResult<Numbers<'py>> {
                 Ok(PyArray1::from_vec(slf.py(), shared(slf)?.interface.history()))
             }
 
             /// The same with the rounds since the last accepted step.
-            fn augmented_history<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyArray1<f64>>> {
+            fn augmented_history<'py>(slf: &Bound<'py, Self>) -> PyResult<Numbers<'py>> {
                 Ok(PyArray1::from_vec(slf.py(), shared(slf)?.interface.augmented_history()))
             }
 
             /// Goes on from such numbers.
-            fn set_history(slf: &Bound<'_, Self>, history: &Bound<'_, PyArray1<f64>>) -> PyResult<()> {
+            fn set_history(slf: &Bound<'_, Self>, history: &Numbers<'_>) -> PyResult<()> {
                 let py = slf.py();
                 let mut this = exclusive(slf)?;
                 let history = readable(history)?;

@@ -13,7 +13,7 @@ use pyo3::prelude::*;
 use pyo3::pyclass::boolean_struct::False;
 use pyo3::types::{PyDict, PyList};
 
-use crate::arrays::{facets, indices, points, readable, words};
+use crate::arrays::{Indices, Numbers, facets, indices, points, readable, words};
 use crate::errors::{self, Raise};
 use crate::options::{self, Options};
 use crate::pattern::Pattern;
@@ -78,12 +78,11 @@ impl Interface {
     }
 }
 
+/// Number of equations, and those of each node's axes, if they are given.
+pub type Equations<'py> = Option<(usize, Bound<'py, PyArray2<i64>>)>;
+
 /// Equations as given, or 3·node + axis.
-pub fn dofs_of(
-    py: Python<'_>,
-    equations: Option<(usize, Bound<'_, PyArray2<i64>>)>,
-    nodes: usize,
-) -> PyResult<DofMap> {
+pub fn dofs_of(py: Python<'_>, equations: Equations<'_>, nodes: usize) -> PyResult<DofMap> {
     match equations {
         Some((count, numbers)) => dof_map(py, count, &numbers, nodes),
         None => Ok(DofMap::standard(nodes)),
@@ -117,21 +116,19 @@ impl Interface {
     fn new(
         py: Python<'_>,
         master: &Surface,
-        slaves: &Bound<'_, PyArray1<i64>>,
+        slaves: &Indices<'_>,
         positions: &Bound<'_, PyArray2<f64>>,
         slave_facets: Option<&Bound<'_, PyArray2<i64>>>,
         options: Options,
-        equations: Option<(usize, Bound<'_, PyArray2<i64>>)>,
+        equations: Equations<'_>,
         symmetry: &Bound<'_, PyArray2<f64>>,
     ) -> PyResult<Self> {
         let slaves = indices(py, "slaves", &readable(slaves)?)?;
         let positions = readable(positions)?;
         let positions = points(py, &positions)?;
         let areas = slave_facets.is_some();
-        let slave_facets = match slave_facets {
-            Some(array) => facets(py, &readable(array)?)?,
-            None => Vec::new(),
-        };
+        let slave_facets = slave_facets.map(|array| facets(py, &readable(array)?)).transpose()?;
+        let slave_facets = slave_facets.unwrap_or_default();
         let options = options.interface(py, areas)?;
         let dofs = dofs_of(py, equations, positions.len())?;
         let planes = planes(py, symmetry)?;
@@ -152,7 +149,7 @@ impl Interface {
         positions: &Bound<'_, PyArray2<f64>>,
         areas: bool,
         options: Options,
-        equations: Option<(usize, Bound<'_, PyArray2<i64>>)>,
+        equations: Equations<'_>,
         symmetry: &Bound<'_, PyArray2<f64>>,
     ) -> PyResult<Self> {
         let positions = readable(positions)?;
@@ -167,7 +164,7 @@ impl Interface {
         Ok(Self::of(made.map_err(|error: InterfaceError| error.raise(py))?, dofs))
     }
 
-    fn slaves<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyArray1<i64>>> {
+    fn slaves<'py>(slf: &Bound<'py, Self>) -> PyResult<Indices<'py>> {
         let this = shared(slf)?;
         Ok(PyArray1::from_iter(slf.py(), this.interface.slaves().iter().map(|&node| node as i64)))
     }
@@ -251,15 +248,9 @@ impl Interface {
     }
 
     /// Gap, foot, normal, area of every slave; NaN where there is no contact, except for the area.
-    #[allow(clippy::type_complexity)]
     fn points<'py>(
         slf: &Bound<'py, Self>,
-    ) -> PyResult<(
-        Bound<'py, PyArray1<f64>>,
-        Bound<'py, PyArray1<f64>>,
-        Bound<'py, PyArray1<f64>>,
-        Bound<'py, PyArray1<f64>>,
-    )> {
+    ) -> PyResult<(Numbers<'py>, Numbers<'py>, Numbers<'py>, Numbers<'py>)> {
         let py = slf.py();
         let this = shared(slf)?;
         let contacts = this.contacts(py)?;

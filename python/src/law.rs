@@ -4,14 +4,12 @@ use diffuse_contact::assembly::{ContactLaw, TabulatedPressure};
 use diffuse_contact::friction::{
     Coulomb, DecayingCoefficient, FrictionCoefficient, FrictionError, TabulatedCoefficient,
 };
-use numpy::{PyArray1, PyReadonlyArray1};
+use numpy::PyReadonlyArray1;
 use pyo3::prelude::*;
 
-use crate::arrays::{readable, slice};
+use crate::arrays::{Numbers, readable, slice};
 use crate::errors::{self, Raise};
 use crate::options;
-
-type Numbers<'py> = Bound<'py, PyArray1<f64>>;
 
 /// A contact law, attributes of the Python object `_Law`.
 #[derive(FromPyObject)]

@@ -2,10 +2,9 @@
 
 use diffuse_contact::assembly::TangentOperator;
 use diffuse_contact::interface::InterfaceError;
-use numpy::PyArray1;
 use pyo3::prelude::*;
 
-use crate::arrays::{readable, slice, slice_mut, writable};
+use crate::arrays::{Numbers, readable, slice, slice_mut, writable};
 use crate::errors::{self, Raise};
 use crate::interface::{Interface, shared};
 use crate::law::Law;
@@ -32,8 +31,8 @@ impl Operator {
     /// Adds K v, or Kᵀ v.
     fn add_product(
         slf: &Bound<'_, Self>,
-        v: &Bound<'_, PyArray1<f64>>,
-        product: &Bound<'_, PyArray1<f64>>,
+        v: &Numbers<'_>,
+        product: &Numbers<'_>,
         is_transposed: bool,
     ) -> PyResult<()> {
         let py = slf.py();
@@ -54,7 +53,7 @@ impl Operator {
     }
 
     /// Adds the diagonal of K.
-    fn add_diagonal(slf: &Bound<'_, Self>, diagonal: &Bound<'_, PyArray1<f64>>) -> PyResult<()> {
+    fn add_diagonal(slf: &Bound<'_, Self>, diagonal: &Numbers<'_>) -> PyResult<()> {
         let py = slf.py();
         let mut this = exclusive(slf)?;
         let mut diagonal = writable(diagonal)?;

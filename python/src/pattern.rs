@@ -5,7 +5,7 @@ use diffuse_contact::interface::InterfaceError;
 use numpy::{Element, PyArray1};
 use pyo3::prelude::*;
 
-use crate::arrays::{readable, slice, slice_mut, writable};
+use crate::arrays::{Numbers, readable, slice, slice_mut, writable};
 use crate::errors::Raise;
 use crate::interface::{Interface, exclusive, shared};
 use crate::law::Law;
@@ -90,7 +90,7 @@ impl Interface {
         py: Python<'_>,
         map: &CsrMap,
         law: &Law<'_>,
-        values: &Bound<'_, PyArray1<f64>>,
+        values: &Numbers<'_>,
         add: bool,
     ) -> PyResult<usize> {
         let own = law.own(py)?;
@@ -126,12 +126,7 @@ impl Interface {
 
     /// Writes the values of the tangent, one per entry of the pattern, or adds them; returns the number of contacts that
     /// carry force.
-    fn fill_tangent(
-        slf: &Bound<'_, Self>,
-        law: Law<'_>,
-        values: &Bound<'_, PyArray1<f64>>,
-        add: bool,
-    ) -> PyResult<usize> {
+    fn fill_tangent(slf: &Bound<'_, Self>, law: Law<'_>, values: &Numbers<'_>, add: bool) -> PyResult<usize> {
         let py = slf.py();
         let mut this = exclusive(slf)?;
         this.make_pattern(py)?;
@@ -160,12 +155,7 @@ impl Interface {
     }
 
     /// Adds the tangent to the values of a matrix of the host.
-    fn add_tangent(
-        slf: &Bound<'_, Self>,
-        map: &Map,
-        law: Law<'_>,
-        values: &Bound<'_, PyArray1<f64>>,
-    ) -> PyResult<usize> {
+    fn add_tangent(slf: &Bound<'_, Self>, map: &Map, law: Law<'_>, values: &Numbers<'_>) -> PyResult<usize> {
         shared(slf)?.sum(slf.py(), &map.map, &law, values, true)
     }
 }

@@ -4,7 +4,7 @@ use diffuse_contact::surface::{self, MasterSurface};
 use numpy::{PyArray1, PyArray2};
 use pyo3::prelude::*;
 
-use crate::arrays::{facets, points, readable};
+use crate::arrays::{Indices, Numbers, facets, points, readable};
 use crate::errors::Raise;
 use crate::threads;
 
@@ -35,12 +35,12 @@ impl Surface {
     }
 
     /// The nodes of the surface, ascending.
-    fn nodes<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<i64>> {
+    fn nodes<'py>(&self, py: Python<'py>) -> Indices<'py> {
         PyArray1::from_iter(py, self.surface.nodes().iter().map(|&node| i64::from(node)))
     }
 
     /// The edges at which the surface ends, two nodes each, one edge after another.
-    fn border_edges<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<i64>> {
+    fn border_edges<'py>(&self, py: Python<'py>) -> Indices<'py> {
         PyArray1::from_iter(py, self.surface.border_edges().flatten().map(|node| node as i64))
     }
 
@@ -49,7 +49,7 @@ impl Surface {
         &self,
         py: Python<'py>,
         positions: &Bound<'py, PyArray2<f64>>,
-    ) -> PyResult<Bound<'py, PyArray1<f64>>> {
+    ) -> PyResult<Numbers<'py>> {
         let positions = readable(positions)?;
         let positions = points(py, &positions)?;
         let normals = threads::run(py, || self.surface.node_normals(positions));
@@ -64,7 +64,7 @@ pub fn tributary_areas<'py>(
     py: Python<'py>,
     positions: &Bound<'py, PyArray2<f64>>,
     corners: &Bound<'py, PyArray2<i64>>,
-) -> PyResult<Bound<'py, PyArray1<f64>>> {
+) -> PyResult<Numbers<'py>> {
     let (positions, corners) = (readable(positions)?, readable(corners)?);
     let (positions, facets) = (points(py, &positions)?, facets(py, &corners)?);
     let areas = threads::run(py, || surface::tributary_areas(positions, &facets));

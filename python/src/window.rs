@@ -6,14 +6,12 @@ use diffuse_contact::surface::window::{self, Box3, Extents};
 use numpy::{PyArray1, PyArray2, PyReadonlyArray2};
 use pyo3::prelude::*;
 
-use crate::arrays::{facets, indices, points, readable, slice};
+use crate::arrays::{Indices, Numbers, facets, indices, points, readable, slice};
 use crate::errors::{self, Raise};
-use crate::interface::{Interface, dofs_of, planes, shared};
+use crate::interface::{Equations, Interface, dofs_of, planes, shared};
 use crate::options::Options;
 use crate::threads;
 
-type Numbers<'py> = Bound<'py, PyArray1<f64>>;
-type Indices<'py> = Bound<'py, PyArray1<i64>>;
 type Rows<'py> = Bound<'py, PyArray2<f64>>;
 
 fn numbers<'py>(py: Python<'py>, numbers: impl IntoIterator<Item = u64>) -> Indices<'py> {
@@ -247,16 +245,14 @@ impl Interface {
         positions: &Rows<'_>,
         slave_facets: Option<&Bound<'_, PyArray2<i64>>>,
         options: Options,
-        equations: Option<(usize, Bound<'_, PyArray2<i64>>)>,
+        equations: Equations<'_>,
     ) -> PyResult<Self> {
         let slaves = indices(py, "slaves", &readable(slaves)?)?;
         let positions = readable(positions)?;
         let positions = points(py, &positions)?;
         let options = options.interface(py, slave_facets.is_some())?;
-        let slave_facets = match slave_facets {
-            Some(array) => facets(py, &readable(array)?)?,
-            None => Vec::new(),
-        };
+        let slave_facets = slave_facets.map(|array| facets(py, &readable(array)?)).transpose()?;
+        let slave_facets = slave_facets.unwrap_or_default();
         let dofs = dofs_of(py, equations, positions.len())?;
         let window = &window.window;
         let made = threads::run(py, || {

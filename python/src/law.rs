@@ -97,8 +97,10 @@ impl OwnedLaw<'_, '_> {
     /// The law.
     pub fn law(&self, py: Python<'_>) -> PyResult<ContactLaw<'_>> {
         let multipliers = self.multipliers.as_ref().map(|array| slice(py, array)).transpose()?;
-        let law = options::law(py, self.law.penalty, multipliers, &self.law.tangent)?;
-        let law = law.with_normal(self.normal.as_ref().map(|table| table as _));
+        let law = ContactLaw::penalty(self.law.penalty)
+            .with_multipliers(multipliers)
+            .with_tangent(options::tangent(py, &self.law.tangent)?)
+            .with_normal(self.normal.as_ref().map(|table| table as _));
         let Some(friction) = &self.law.friction else { return Ok(law) };
         let made = match (&friction.coefficient, &self.coefficient) {
             (&Coefficient::Constant(coefficient), _) => Coulomb::new(coefficient, friction.stiffness),

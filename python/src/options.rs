@@ -1,6 +1,6 @@
 //! Options by name.
 
-use diffuse_contact::assembly::{ContactLaw, Tangent};
+use diffuse_contact::assembly::Tangent;
 use diffuse_contact::interface::{ContactElement, InterfaceOptions};
 use diffuse_contact::neighbourhood::{NeighbourRule, SearchOptions};
 use diffuse_contact::pairing::DEFAULT_NEIGHBOURS;
@@ -141,16 +141,6 @@ pub fn default_options(py: Python<'_>) -> PyResult<Bound<'_, PyDict>> {
     dict.set_item("border_tolerance", border_tolerance)?;
     dict.set_item("distance_limit", distance_limit)?;
     Ok(dict)
-}
-
-/// A contact law.
-pub fn law<'a>(
-    py: Python<'_>,
-    penalty: f64,
-    multipliers: Option<&'a [f64]>,
-    tangent: &str,
-) -> PyResult<ContactLaw<'a>> {
-    Ok(ContactLaw::penalty(penalty).with_multipliers(multipliers).with_tangent(self::tangent(py, tangent)?))
 }
 
 pub fn tangent(py: Python<'_>, name: &str) -> PyResult<Tangent> {

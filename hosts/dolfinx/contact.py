@@ -171,7 +171,7 @@ class Contact:
         self.exchange = Exchange(space.mesh.comm)
         self.vector, self.skin, self.limit = vector, skin, limit
         self.law = {"penalty": penalty} if friction is None else {"penalty": penalty, "friction": friction}
-        self.part = Part(self.exchange, boundary(space, master), {})
+        self.part = Part(self.exchange, boundary(space, master))
         self.around = Nodes(self.part.blocks, self.part.positions, vector, self.exchange)
         self._take_slaves(boundary(space, slave))
         self.interface, self.nodes, self.renewals = None, None, 0

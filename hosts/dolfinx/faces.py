@@ -59,7 +59,7 @@ class FaceContact:
         self.law = {"penalty": penalty} if friction is None else {"penalty": penalty, "friction": friction}
         #: Facets of cells of this rank, master and slave, and those around them.
         self.own = [boundary(space, is_on) for is_on in (master, slave)]
-        self.parts = [Part(self.exchange, own, {}) for own in self.own]
+        self.parts = [Part(self.exchange, own) for own in self.own]
         self.around = [Nodes(part.blocks, part.positions, vector, self.exchange) for part in self.parts]
         self.kept = [self._owned(own) for own in self.own]
         self.slaves = self.kept[1][0]

@@ -93,7 +93,7 @@ def meets(one: np.ndarray, other: np.ndarray) -> np.ndarray:
 class Part:
     """The master facets that this rank owns and those around them. Windows are cut out of it."""
 
-    def __init__(self, exchange: Exchange, own: Facets, options: dict) -> None:
+    def __init__(self, exchange: Exchange, own: Facets) -> None:
         self.exchange, self.own, self.part = exchange, own, None
         _, _, _, positions, corners = own.by_node()
         extents = dc.Extents.of(positions, corners)
@@ -102,10 +102,10 @@ class Part:
         self.boxes = rows[:, :6].reshape(-1, 2, 3)
         extents = dc.Extents(tuple(rows[:, :3].min(axis=0)), tuple(rows[:, 3:6].max(axis=0)), rows[:, 6].max())
         width = 8 * extents.facet
-        while not self._settle(width, extents, options):
+        while not self._settle(width, extents):
             width *= 1.5
 
-    def _settle(self, width: float, extents: dc.Extents, options: dict) -> bool:
+    def _settle(self, width: float, extents: dc.Extents) -> bool:
         """Takes in what lies around the own facets; whether that was wide enough on all ranks."""
         exchange = self.exchange
         known = self.boxes + width * np.array([[-1.0], [1.0]])
@@ -132,7 +132,6 @@ class Part:
                     owned=np.isin(self.facets.numbers, self.own.numbers),
                     known=known[exchange.comm.rank],
                     extents=extents,
-                    **options,
                 )
             except dc.InterfaceError as error:
                 if error.code != "part-too-narrow":

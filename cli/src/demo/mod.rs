@@ -16,7 +16,6 @@ use std::time::Instant;
 
 use diffuse_contact::interface::InterfaceOptions;
 
-use crate::contact_mesh::ContactMesh;
 use crate::error::CliError;
 use crate::output;
 use crate::surface::nodes;
@@ -39,7 +38,7 @@ pub fn run(arguments: &DemoArguments) -> Result<(), CliError> {
     let sets = &arguments.sets;
     let options = InterfaceOptions::default();
     let start = Instant::now();
-    let surfaces = Surfaces::new(ContactMesh::read(arguments.mesh.as_deref(), sets)?, sets);
+    let surfaces = Surfaces::read(arguments.mesh.as_deref(), sets)?;
     let read = start.elapsed();
     let nodes = nodes::evaluate(&surfaces, sets, options, &[])?;
     let smooth = sampling::sample(&surfaces, sets, options)?;

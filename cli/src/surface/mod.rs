@@ -14,7 +14,6 @@ pub use arguments::SurfaceArguments;
 
 use std::time::Instant;
 
-use crate::contact_mesh::ContactMesh;
 use crate::error::CliError;
 use crate::output;
 use crate::threads::with_threads;
@@ -31,7 +30,7 @@ pub fn run(arguments: &SurfaceArguments) -> Result<(), CliError> {
     let sets = &arguments.sets;
     let planes = arguments.element.planes();
     let start = Instant::now();
-    let surfaces = Surfaces::new(ContactMesh::read(Some(&arguments.mesh), sets)?, sets);
+    let surfaces = Surfaces::read(Some(&arguments.mesh), sets)?;
     let read = start.elapsed();
     let nodes = with_threads(arguments.threads, || nodes::evaluate(&surfaces, sets, options, &planes))?;
     let start = Instant::now();

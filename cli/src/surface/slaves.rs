@@ -1,11 +1,17 @@
 //! Master surface and slave nodes of a mesh, ready for an interface.
 
+use std::path::Path;
+
 use diffuse_contact::interface::InterfaceError;
 use diffuse_contact::surface::{Facet, SurfaceError, SymmetryPlane, tributary_areas};
-use diffuse_contact_mesh::{self as mesh, Mesh};
+use diffuse_contact_mesh::{self as mesh, Mesh, MeshError, PLATE_ON_CYLINDER};
 
-use crate::contact_mesh::{ContactMesh, ContactMeshError, SetArguments};
+use crate::contact_mesh::{ContactMeshError, SetArguments};
 use crate::error::CliError;
+use crate::input;
+
+/// The name of the mesh that comes with the program, in messages and in the report.
+const SHIPPED_NAME: &str = "plate_on_cylinder.msh (comes with the program)";
 
 /// The two surfaces, in the mesh's numbering of the nodes.
 pub struct Surfaces {
@@ -24,9 +30,21 @@ pub struct Surfaces {
 }
 
 impl Surfaces {
-    /// Picks the sets of a mesh. A slave set of nodes alone has no facets.
-    pub fn new(contact: ContactMesh, sets: &SetArguments) -> Self {
-        let ContactMesh { name, mesh, facets, slaves } = contact;
+    /// Reads a mesh file, or the mesh that comes with the program, and picks the two sets. A slave set of nodes alone has no facets.
+    pub fn read(path: Option<&Path>, sets: &SetArguments) -> Result<Self, CliError> {
+        let (name, mesh) = match path {
+            Some(path) => {
+                let (name, bytes) = input::read(path)?;
+                let mesh = Mesh::from_bytes(&bytes, &name);
+                (name, mesh)
+            }
+            None => (SHIPPED_NAME.to_owned(), Mesh::from_gmsh(PLATE_ON_CYLINDER, "plate_on_cylinder.msh")),
+        };
+        // The reader's own messages begin with the file, those about sets do not.
+        let mesh = mesh.map_err(|reason| ContactMeshError::Mesh(reason.into()))?;
+        let no_set = |reason: MeshError| ContactMeshError::Set { mesh: name.clone(), reason: reason.into() };
+        let master = mesh.facets(&sets.master).map_err(no_set)?.iter().map(facet_of).collect();
+        let slaves = mesh.nodes_of(&sets.slave).map_err(no_set)?;
         let is_slave = |node: &usize| slaves.binary_search(node).is_ok();
         let slave_facets: Vec<Facet> = mesh
             .facets(&sets.slave)
@@ -40,8 +58,7 @@ impl Surfaces {
             is_corner[node] = true;
         }
         let has_areas = slaves.iter().all(|&node| is_corner[node]);
-        let master = facets.iter().map(facet_of).collect();
-        Self { name, mesh, master, slaves, slave_facets, has_areas }
+        Ok(Self { name, mesh, master, slaves, slave_facets, has_areas })
     }
 
     /// What the master set is refused for.

@@ -43,24 +43,6 @@ pub enum Command {
     Bench(Elsewhere),
 }
 
-impl Command {
-    /// Whether the work is shared among as many threads as the machine has.
-    pub fn shares_threads(&self) -> bool {
-        match self {
-            Self::Demo(_) => true,
-            Self::Surface(arguments) => arguments.threads.is_none(),
-            Self::Evaluate(_)
-            | Self::Neighbours(_)
-            | Self::Solve(_)
-            | Self::Report(_)
-            | Self::Emit(_)
-            | Self::Check(_)
-            | Self::Study(_)
-            | Self::Bench(_) => false,
-        }
-    }
-}
-
 /// Arguments of a job that another program does: whatever that program takes.
 #[derive(Args, Clone, Debug)]
 #[command(disable_help_flag = true, disable_version_flag = true)]

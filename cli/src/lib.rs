@@ -40,14 +40,19 @@ pub fn main() -> ExitCode {
 }
 
 fn run(command: Command) -> Result<ExitCode, CliError> {
-    if command.shares_threads() {
-        threads::start();
-    }
     let done = |()| ExitCode::SUCCESS;
     match command {
-        Command::Demo(arguments) => demo::run(&arguments).map(done),
+        Command::Demo(arguments) => {
+            threads::start();
+            demo::run(&arguments).map(done)
+        }
         Command::Evaluate(arguments) => evaluate::run(&arguments),
-        Command::Surface(arguments) => surface::run(&arguments).map(done),
+        Command::Surface(arguments) => {
+            if arguments.threads.is_none() {
+                threads::start();
+            }
+            surface::run(&arguments).map(done)
+        }
         Command::Neighbours(arguments) => neighbours::run(&arguments),
         Command::Solve(_) | Command::Report(_) => elsewhere::run(elsewhere::SOLVER),
         Command::Emit(_) | Command::Check(_) | Command::Study(_) | Command::Bench(_) => {

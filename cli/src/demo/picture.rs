@@ -245,7 +245,8 @@ fn cross(a: Point, b: Point) -> Point {
     [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
 }
 
-fn unit(x: Point) -> Option<Point> {
+/// The vector at length one, if it has a direction.
+pub fn unit(x: Point) -> Option<Point> {
     let length = dot(x, x).sqrt();
     (length > 0.0).then(|| x.map(|x| x / length))
 }

@@ -18,6 +18,7 @@ use diffuse_contact::Point;
 use diffuse_contact::surface::Facet;
 use diffuse_contact_mesh::{ElementKind, VtuFile};
 
+use super::picture::unit;
 use super::sampling::{Sample, SmoothSurface};
 use crate::error::CliError;
 use crate::output;
@@ -84,7 +85,8 @@ impl Scene {
         let nodes = smooth.nodes.iter().zip(&smooth.node_normals).zip(&smooth.node_heights);
         for ((&node, &normal), height) in nodes {
             self.points.push(surfaces.mesh.nodes()[node]);
-            self.normal.push(unit(normal));
+            // Zero stays zero.
+            self.normal.push(unit(normal).unwrap_or(normal));
             let value = height.unwrap_or(f64::NAN);
             self.gap.push(value);
             self.facet_height.push(value);
@@ -133,10 +135,4 @@ impl Scene {
             .point_i32("part", &self.part)
             .cell_i32("part", &self.cell_part)
     }
-}
-
-/// The vector at length one; zero stays zero.
-fn unit(vector: Point) -> Point {
-    let length = vector.iter().map(|x| x * x).sum::<f64>().sqrt();
-    if length > 0.0 { vector.map(|x| x / length) } else { vector }
 }

@@ -246,14 +246,11 @@ fn with_domains(
     let nodes = found.nodes(domains);
     let distance = |x: &Point| slave.iter().zip(x).map(|(a, b)| (a - b).powi(2)).sum::<f64>().sqrt();
     let within_reach = masters.iter().zip(&nodes).filter(|(_, node)| node.distance() < 1.0);
-    let (mut count, mut farthest) = (0, 0.0_f64);
-    for (master, _) in within_reach {
-        count += 1;
-        farthest = farthest.max(distance(master));
+    let distances: Vec<f64> = within_reach.map(|(master, _)| distance(master)).collect();
+    if distances.len() < basis.size() {
+        return Err(ElementError::TooFewNodes { found: distances.len(), needed: basis.size() }.into());
     }
-    if count < basis.size() {
-        return Err(ElementError::TooFewNodes { found: count, needed: basis.size() }.into());
-    }
+    let farthest = distances.into_iter().fold(0.0, f64::max);
     let element = Element::new(slave, masters, found.frame, farthest)
         .with_domains(Domains::Material(&nodes))
         .with_basis(basis)
@@ -302,10 +299,8 @@ fn answer(
     input: &ElementInput,
     backend: &dyn Backend,
 ) -> Result<Evaluated, Refusal> {
-    let slip = match input.anchor {
-        Some(Coordinates(anchor)) => Some(backend.slip(element, anchor, Mode::Hessian)?),
-        None => None,
-    };
+    let slip =
+        input.anchor.map(|Coordinates(anchor)| backend.slip(element, anchor, Mode::Hessian)).transpose()?;
     // The same bits with and without an anchor.
     let gap = backend.gap(element, Mode::Hessian)?;
     let force = gap.contact_force(input.penalty);
@@ -315,10 +310,8 @@ fn answer(
     finite("gap gradient", &gap.gradient)?;
     finite("gap Hessian", gap.hessian.packed())?;
     finite("coefficient", &gap.coefficients)?;
-    let friction = match (&slip, input.friction) {
-        (Some(slip), Some(law)) => Some(friction(slip, law, input.penalty)?),
-        _ => None,
-    };
+    let sliding = slip.as_ref().zip(input.friction);
+    let friction = sliding.map(|(slip, law)| friction(slip, law, input.penalty)).transpose()?;
     Ok(Evaluated {
         active: gap.is_penetrating(),
         gap: gap.gap,

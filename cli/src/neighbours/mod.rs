@@ -39,22 +39,14 @@ fn parse(file: &str, text: &[u8]) -> Result<Document, CliError> {
         let place = |field: &str| document.layout.place(index) + field;
         let found = input.masters().len();
         if found < Basis::Linear.size() {
-            return Err(ContentError::TooFewMasters {
-                file: file.to_owned(),
-                place: place("masters"),
-                found,
-            }
-            .into());
+            let (file, place) = (file.to_owned(), place("masters"));
+            return Err(ContentError::TooFewMasters { file, place, found }.into());
         }
         let of_element = input.field_of_element().filter(|_| document.layout != Layout::Elements);
         let of_element = of_element.map(|field| (field, "for a search: it is a field of `evaluate`"));
         if let Some((field, beside)) = of_element.or_else(|| meaningless(input)) {
-            return Err(ContentError::MeaninglessField {
-                file: file.to_owned(),
-                place: place(field),
-                beside,
-            }
-            .into());
+            let (file, place) = (file.to_owned(), place(field));
+            return Err(ContentError::MeaninglessField { file, place, beside }.into());
         }
     }
     Ok(document)

@@ -31,8 +31,7 @@ const CODES: [(i32, &str, &str); 20] = [
 
 /// The number of an outcome.
 pub fn number(outcome: Outcome) -> i32 {
-    let code = outcome.code();
-    CODES.iter().find(|(_, name, _)| *name == code).map_or(OTHER, |(number, ..)| *number)
+    describe(outcome.code()).0
 }
 
 /// Number and meaning of a code.

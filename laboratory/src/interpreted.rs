@@ -5,7 +5,7 @@
 //! methods. Against it a kernel shows errors of emission; it shows errors of derivation against
 //! [`Ad`](diffuse_contact::ad::Ad). It takes any number of master nodes and any weight, and its speed is no aim.
 
-mod evaluation;
+pub(crate) mod evaluation;
 
 use std::sync::OnceLock;
 
@@ -220,7 +220,8 @@ impl Backend for Interpreted {
 
 const AXES: [&str; 3] = ["x", "y", "z"];
 
-fn set_vector(inputs: &mut NodeInputs, name: &str, vector: Point) {
+/// Sets the three input symbols of a vector.
+pub(crate) fn set_vector(inputs: &mut NodeInputs, name: &str, vector: Point) {
     for (axis, value) in AXES.iter().zip(vector) {
         inputs.set_element(&format!("{name}_{axis}"), value);
     }

@@ -5,11 +5,11 @@ use std::sync::OnceLock;
 
 use diffuse_contact::{ContactPoint, ElementError, FacetElement, FacetPoint, Gap, Mode, SymmetricMatrix};
 use diffuse_contact_codegen::interpret::{Interpreter, NodeInputs};
-use diffuse_contact_codegen::model::ElementSpec;
-use diffuse_contact_codegen::{ElementKernels, FacetShape, Kernel};
+use diffuse_contact_codegen::{ElementKernels, FacetShape};
 use diffuse_contact_kernels::support::FacetFigures;
 
-use crate::interpreted::mode_of;
+use crate::interpreted::evaluation::Evaluation;
+use crate::interpreted::{mode_of, set_vector};
 
 const SHAPES: usize = FacetShape::ALL.len();
 
@@ -32,7 +32,8 @@ impl InterpretedFacets {
         let facet = self.elements[shape as usize].get_or_init(|| ElementKernels::facet(shape));
         let kernel = &facet.kernels[mode_of(mode) as usize];
         let inputs = inputs(element);
-        let mut evaluation = Evaluation { kernel, interpreter: Interpreter::new(&kernel.graph, &inputs) };
+        let interpreter = Interpreter::new(&kernel.graph, &inputs);
+        let mut evaluation = Evaluation { kernel, interpreter, count: 0 };
         let (gap, foot, normal) =
             (evaluation.scalar("gap"), evaluation.array("foot"), evaluation.array("normal"));
         let natural = evaluation.array("natural");
@@ -56,42 +57,11 @@ impl InterpretedFacets {
     }
 }
 
-/// One facet on its way through one kernel's graph.
-struct Evaluation<'a> {
-    kernel: &'a Kernel<ElementSpec>,
-    interpreter: Interpreter<'a>,
-}
-
-impl Evaluation<'_> {
-    /// All components; none if the kernel has no such value in its mode.
-    fn values(&mut self, name: &str) -> Vec<f64> {
-        let value = self.kernel.values.iter().find(|value| value.name == name);
-        let components = value.map(|value| value.components.as_slice()).unwrap_or_default();
-        components.iter().map(|&x| self.interpreter.element(x)).collect()
-    }
-
-    fn array<const SIZE: usize>(&mut self, name: &str) -> [f64; SIZE] {
-        let values = self.values(name);
-        values.try_into().unwrap_or_else(|values: Vec<f64>| {
-            panic!("the kernel value {name} has {} components, not {SIZE}", values.len())
-        })
-    }
-
-    fn scalar(&mut self, name: &str) -> f64 {
-        self.array::<1>(name)[0]
-    }
-}
-
 fn inputs(element: &FacetElement<'_>) -> NodeInputs {
     let mut inputs = NodeInputs::new(0);
-    let mut set = |name: &str, x: [f64; 3]| {
-        for (axis, value) in ["x", "y", "z"].iter().zip(x) {
-            inputs.set_element(&format!("{name}_{axis}"), value);
-        }
-    };
-    set("slave", element.slave);
+    set_vector(&mut inputs, "slave", element.slave);
     for (k, corner) in element.corners.iter().enumerate() {
-        set(&format!("corners_{}", k + 1), *corner);
+        set_vector(&mut inputs, &format!("corners_{}", k + 1), *corner);
     }
     inputs
 }

@@ -1,18 +1,37 @@
 //! Results of one kernel at one element.
 
 use diffuse_contact::{Element, ElementError, Gap, SymmetricMatrix};
-use diffuse_contact_codegen::graph::ExprId;
 use diffuse_contact_codegen::interpret::Interpreter;
 use diffuse_contact_codegen::structure::{Gradient, Hessian};
-use diffuse_contact_codegen::{FrameRule, Kernel};
+use diffuse_contact_codegen::{FrameRule, Kernel, KernelSpec};
 use diffuse_contact_kernels::support::GapValues;
 
 /// One element on its way through one kernel's graph.
-pub struct Evaluation<'a> {
-    pub kernel: &'a Kernel,
+pub struct Evaluation<'a, S = KernelSpec> {
+    pub kernel: &'a Kernel<S>,
     pub interpreter: Interpreter<'a>,
     /// Number of master nodes.
     pub count: usize,
+}
+
+impl<S> Evaluation<'_, S> {
+    /// All components; none if the kernel has no such value in its mode.
+    pub fn values(&mut self, name: &str) -> Vec<f64> {
+        let value = self.kernel.values.iter().find(|value| value.name == name);
+        let components = value.map(|value| value.components.as_slice()).unwrap_or_default();
+        components.iter().map(|&x| self.interpreter.element(x)).collect()
+    }
+
+    pub fn array<const SIZE: usize>(&mut self, name: &str) -> [f64; SIZE] {
+        let values = self.values(name);
+        values.try_into().unwrap_or_else(|values: Vec<f64>| {
+            panic!("the kernel value {name} has {} components, not {SIZE}", values.len())
+        })
+    }
+
+    pub fn scalar(&mut self, name: &str) -> f64 {
+        self.array::<1>(name)[0]
+    }
 }
 
 impl Evaluation<'_> {
@@ -44,11 +63,6 @@ impl Evaluation<'_> {
         })
     }
 
-    fn components(&self, name: &str) -> &[ExprId] {
-        let value = self.kernel.values.iter().find(|value| value.name == name);
-        &value.unwrap_or_else(|| panic!("no kernel value is named {name}")).components
-    }
-
     /// 1 if the frame is held: then there is no plane whose turn has to be found.
     pub fn plane_pivot_ratio(&mut self) -> f64 {
         match self.kernel.spec.frame {
@@ -57,24 +71,11 @@ impl Evaluation<'_> {
         }
     }
 
-    pub fn scalar(&mut self, name: &str) -> f64 {
-        self.array::<1>(name)[0]
-    }
-
-    pub fn array<const SIZE: usize>(&mut self, name: &str) -> [f64; SIZE] {
-        let components = self.components(name);
-        let components: [ExprId; SIZE] = components.try_into().unwrap_or_else(|_| {
-            panic!("the kernel value {name} has {} components, not {SIZE}", components.len())
-        });
-        components.map(|component| self.interpreter.element(component))
-    }
-
     /// Coefficients of either basis; the linear one leaves the last three at 0.
     pub fn padded(&mut self, name: &str) -> [f64; diffuse_contact::Basis::MOST_COEFFICIENTS] {
         let mut padded = [0.0; diffuse_contact::Basis::MOST_COEFFICIENTS];
-        for (entry, component) in padded.iter_mut().zip(self.components(name).to_vec()) {
-            *entry = self.interpreter.element(component);
-        }
+        let values = self.values(name);
+        padded[..values.len()].copy_from_slice(&values);
         padded
     }
 

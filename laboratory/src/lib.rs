@@ -74,7 +74,10 @@ fn run(command: &Command) -> Result<ExitCode, CliError> {
     let done = |()| ExitCode::SUCCESS;
     match command {
         Command::Emit(arguments) => emit::run(arguments).map(done),
-        Command::Check(arguments) => check::run(arguments),
+        Command::Check(arguments) => {
+            threads::start();
+            check::run(arguments)
+        }
         Command::Study(arguments) => {
             threads::start();
             study::run(arguments).map(done)

@@ -1,13 +1,11 @@
 //! Running the backends on the same elements.
 
-use std::num::NonZero;
-use std::sync::atomic::{AtomicUsize, Ordering};
-use std::sync::mpsc;
-use std::thread;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 use diffuse_contact::ad::{Ad, FormulaError};
 use diffuse_contact::{Backend, ElementError, Generated, Mode};
 use diffuse_contact_codegen::Basis;
+use rayon::prelude::*;
 
 use super::balance::sums;
 use super::blocks::{Blocks, Subject};
@@ -35,7 +33,7 @@ pub enum CompareError {
 ///
 /// # Errors
 /// [`CompareError`]. A backend that has no result where it should is in the report, not an error.
-pub fn compare(plan: &Plan, mut step: impl FnMut()) -> Result<Report, CompareError> {
+pub fn compare(plan: &Plan, step: impl Fn() + Sync) -> Result<Report, CompareError> {
     let interpreted = Interpreted::new(plan.weight.for_generator());
     let ad: Box<dyn Backend> = match &plan.weight {
         Weight::BuiltIn(_) => Box::new(Ad),
@@ -54,33 +52,19 @@ pub fn compare(plan: &Plan, mut step: impl FnMut()) -> Result<Report, CompareErr
         generated: plan.weight.as_built_in().map(|_| &Generated as &dyn Backend),
     };
     let jobs: Vec<Job> = plan.jobs().collect();
-    let next = AtomicUsize::new(0);
-    let mut parts: Vec<_> = jobs.iter().map(|_| None).collect();
-    thread::scope(|scope| {
-        let (sender, receiver) = mpsc::channel();
-        for _ in 0..thread::available_parallelism().map_or(1, NonZero::get).min(jobs.len()) {
-            let (sender, jobs, next, backends) = (sender.clone(), &jobs, &next, &backends);
-            scope.spawn(move || {
-                while let Some(job) = jobs.get(next.fetch_add(1, Ordering::Relaxed)) {
-                    let part = job.run(plan, backends);
-                    if part.is_err() {
-                        next.store(jobs.len(), Ordering::Relaxed);
-                    }
-                    if sender.send((job.place, part)).is_err() {
-                        break;
-                    }
-                }
-            });
+    let has_failed = AtomicBool::new(false);
+    let parts = jobs.par_iter().map(|job| {
+        if has_failed.load(Ordering::Relaxed) {
+            return None;
         }
-        drop(sender);
-        for (place, part) in receiver {
-            parts[place] = Some(part);
-            step();
-        }
+        let part = job.run(plan, &backends);
+        has_failed.fetch_or(part.is_err(), Ordering::Relaxed);
+        step();
+        Some(part)
     });
     // In the order of the plan, whichever was ready first.
     let mut report = Report::new(plan);
-    for part in parts.into_iter().flatten() {
+    for part in parts.collect::<Vec<_>>().into_iter().flatten() {
         report.merge(part?);
     }
     // Facets have no weight: they are compared once, beside the default one.
@@ -92,8 +76,6 @@ pub fn compare(plan: &Plan, mut step: impl FnMut()) -> Result<Report, CompareErr
 
 /// The comparisons of one element.
 struct Job {
-    /// Counted from 0.
-    place: usize,
     basis: Basis,
     nodes: usize,
     index: usize,
@@ -102,14 +84,13 @@ struct Job {
 impl Plan {
     fn jobs(&self) -> impl Iterator<Item = Job> + '_ {
         let counts = self.ranges.iter().flat_map(|(basis, range)| range.clone().map(|nodes| (*basis, nodes)));
-        let elements = counts.flat_map(|at| (0..ELEMENTS).map(move |index| (at, index)));
-        elements.enumerate().map(|(place, ((basis, nodes), index))| Job { place, basis, nodes, index })
+        counts.flat_map(|(basis, nodes)| (0..ELEMENTS).map(move |index| Job { basis, nodes, index }))
     }
 }
 
 impl Job {
     fn run(&self, plan: &Plan, backends: &Backends<'_>) -> Result<Report, NoElement> {
-        let &Self { basis, nodes, index, .. } = self;
+        let &Self { basis, nodes, index } = self;
         let with = (plan.weight.as_built_in().unwrap_or_default(), backends.ad);
         let random = RandomElement::new(basis, nodes, plan.seed, index, backends.interpreted, with)?;
         let mut report = Report::new(plan);

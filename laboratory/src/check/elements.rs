@@ -252,13 +252,11 @@ impl RandomElement {
                 Frame::average_plane(&masters, normal)
             }
         };
-        let co_moving = match first {
-            FirstNode::UnderSlave => {
-                let slave = straight_over(masters[0], slave, &plane(slave)?);
-                Place { slave, frame: plane(slave)? }
-            }
-            FirstNode::Anywhere | FirstNode::Outside => Place { slave, frame: plane(slave)? },
+        let over = match first {
+            FirstNode::UnderSlave => straight_over(masters[0], slave, &plane(slave)?),
+            FirstNode::Anywhere | FirstNode::Outside => slave,
         };
+        let co_moving = Place { slave: over, frame: plane(over)? };
         let domains = material_domains(slave, &masters, radius, random);
         let found = MaterialPlace::find(slave, &masters, &domains, weight, normal)?;
         let material = Place { slave, frame: found.frame };

@@ -9,6 +9,7 @@ use diffuse_contact::ad::Ad;
 use diffuse_contact::{ElementError, FacetElement, FacetPoint, Gap, Generated, Mode, Point};
 use diffuse_contact_benches::Random;
 use diffuse_contact_codegen::FacetShape;
+use nalgebra::Vector3;
 use serde::ser::{Serialize, SerializeStruct, Serializer};
 
 use super::blocks::{Part, worse};
@@ -188,14 +189,9 @@ fn random_point(corners: &[Point], random: &mut Random) -> (Point, Point) {
     let (first, last) = (corners[0], corners[corners.len() - 1]);
     let (bottom, top) = (along(first, corners[1], s), along(last, corners[2], s));
     let (left, right) = (along(first, last, t), along(corners[1], corners[2], t));
-    let [a, b]: [Point; 2] =
-        [std::array::from_fn(|k| right[k] - left[k]), std::array::from_fn(|k| top[k] - bottom[k])];
-    let area: Point = std::array::from_fn(|k| {
-        let (i, j) = ((k + 1) % 3, (k + 2) % 3);
-        a[i] * b[j] - a[j] * b[i]
-    });
-    let length = area.iter().map(|x| x * x).sum::<f64>().sqrt();
-    (along(bottom, top, t), area.map(|x| x / length))
+    let between = |x: Point, y: Point| Vector3::from(y) - Vector3::from(x);
+    let normal = between(left, right).cross(&between(bottom, top)).normalize();
+    (along(bottom, top, t), normal.into())
 }
 
 impl Serialize for FacetRow {

@@ -4,16 +4,15 @@
 
 use diffuse_contact::interface::{ContactInterface, InterfaceOptions, Outcome, PairedElement};
 use diffuse_contact::pairing::Pairing;
-use diffuse_contact::surface::MasterSurface;
 use diffuse_contact::{Basis, Mode, Point, Weight};
 use diffuse_contact_benches::Random;
 use nalgebra::{DMatrix, SymmetricEigen};
 use serde::Serialize;
 
-use super::StudyError;
 use super::arguments::DomainsArguments;
 use super::markdown::Table;
 use super::patch::Patch;
+use super::{StudyError, paired};
 use crate::error::CliError;
 use crate::output;
 
@@ -144,19 +143,14 @@ pub fn run(arguments: &DomainsArguments) -> Result<(), CliError> {
 }
 
 fn measure(shape: &Shape, weight: Weight, slaves: usize) -> Result<Found, StudyError> {
-    let Patch { mut positions, facets } = shape.patch();
-    let masters = positions.len();
-    let size = shape.size();
-    let mut random = Random::new(&[2]);
-    for _ in 0..slaves {
-        let at = size.map(|size| random.between(0.0, size));
-        positions.push([at[0], at[1], shape.height(at)]);
-    }
     let gaps = |options: InterfaceOptions| -> Result<(ContactInterface, f64), StudyError> {
-        let surface = MasterSurface::new(&positions, facets.clone())?;
-        let nodes = (masters..positions.len()).collect();
-        let mut interface = ContactInterface::new(surface, nodes, &[], &positions, options)?;
-        interface.refresh_pairing(&positions)?;
+        let Patch { positions, facets } = shape.patch();
+        let mut random = Random::new(&[2]);
+        let points = (0..slaves).map(|_| {
+            let at = shape.size().map(|size| random.between(0.0, size));
+            [at[0], at[1], shape.height(at)]
+        });
+        let (mut interface, _) = paired(positions, facets, points, options)?;
         let contacts = interface.evaluate(Mode::Value)?;
         let mut sum = 0.0;
         for contact in contacts.iter() {

@@ -32,6 +32,8 @@ pub use arguments::StudyArguments;
 pub use error::StudyError;
 
 use diffuse_contact::Point;
+use diffuse_contact::interface::{ContactInterface, InterfaceOptions};
+use diffuse_contact::surface::{Facet, MasterSurface};
 
 use crate::error::CliError;
 
@@ -48,6 +50,22 @@ fn norm(a: Point) -> f64 {
 /// The smallest and the largest value.
 fn extremes(values: impl Iterator<Item = f64>) -> [f64; 2] {
     values.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], x| [low.min(x), high.max(x)])
+}
+
+/// An interface of a master and of slaves at these points, paired, and positions of all nodes: those of the slaves come last.
+fn paired(
+    mut positions: Vec<Point>,
+    facets: Vec<Facet>,
+    slaves: impl IntoIterator<Item = Point>,
+    options: InterfaceOptions,
+) -> Result<(ContactInterface, Vec<Point>), StudyError> {
+    let master = MasterSurface::new(&positions, facets)?;
+    let first = positions.len();
+    positions.extend(slaves);
+    let slaves = (first..positions.len()).collect();
+    let mut interface = ContactInterface::new(master, slaves, &[], &positions, options)?;
+    interface.refresh_pairing(&positions)?;
+    Ok((interface, positions))
 }
 
 /// Makes the study.

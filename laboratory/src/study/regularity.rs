@@ -6,16 +6,16 @@ use std::collections::HashMap;
 
 use diffuse_contact::interface::{ContactElement, ContactInterface, InterfaceOptions, Outcome};
 use diffuse_contact::neighbourhood::{Fallback, SMALLEST_REGULARITY, SearchOptions};
-use diffuse_contact::surface::{Facet, MasterSurface};
+use diffuse_contact::surface::Facet;
 use diffuse_contact::{Mode, Point};
 use diffuse_contact_benches::Random;
 use serde::Serialize;
 use spade::{DelaunayTriangulation, Triangulation};
 
-use super::StudyError;
 use super::arguments::RegularityArguments;
 use super::markdown::Table;
 use super::patch::Patch;
+use super::{StudyError, paired};
 use crate::error::CliError;
 use crate::output;
 
@@ -167,17 +167,14 @@ pub fn run(arguments: &RegularityArguments) -> Result<(), CliError> {
 
 impl Found {
     fn add(&mut self, kind: &Kind, bound: f64, random: &mut Random) -> Result<(), StudyError> {
-        let Patch { mut positions, facets } = kind.mesh(random);
+        let Patch { positions, facets } = kind.mesh(random);
         let (masters, size) = (positions.len(), kind.size());
         let mut at: Vec<Point2> =
             (0..SLAVES).map(|_| size.map(|size| random.between(MARGIN, size - MARGIN))).collect();
-        positions.extend(at.iter().map(|&at| kind.point(at)));
         let search = SearchOptions::default().with_smallest_regularity(bound);
         let options = InterfaceOptions::default().with_element(ContactElement::diffuse(search));
-        let surface = MasterSurface::new(&positions, facets)?;
-        let slaves = (masters..positions.len()).collect();
-        let mut interface = ContactInterface::new(surface, slaves, &[], &positions, options)?;
-        interface.refresh_pairing(&positions)?;
+        let points = at.iter().map(|&at| kind.point(at));
+        let (mut interface, mut positions) = paired(positions, facets, points, options)?;
         self.add_fits(kind, &mut interface, &at)?;
         // They slide on, each its own way and back from the border.
         let turns: Vec<f64> = (0..SLAVES).map(|_| random.between(0.0, std::f64::consts::TAU)).collect();

@@ -5,15 +5,15 @@
 use std::collections::BTreeMap;
 use std::f64::consts::{PI, TAU};
 
-use diffuse_contact::interface::{ContactElement, ContactInterface, InterfaceOptions, Outcome};
+use diffuse_contact::interface::{ContactElement, InterfaceOptions, Outcome};
 use diffuse_contact::neighbourhood::NeighbourRule;
-use diffuse_contact::surface::{Facet, MasterSurface};
+use diffuse_contact::surface::Facet;
 use diffuse_contact::{FrameDerivative, Mode, Point, Weight};
 use diffuse_contact_cli::contact_options::diffuse;
 use nalgebra::Vector3;
 use serde::Serialize;
 
-use crate::study::StudyError;
+use crate::study::{StudyError, paired};
 
 /// Nodes nearer to one another than this are one.
 const SAME: f64 = 1e-6;
@@ -163,15 +163,10 @@ fn measure(
     name: &'static str,
     element: ContactElement,
 ) -> Result<Vec<BodyMeasurement>, StudyError> {
-    let (mut positions, facets) = body.mesh(triangles);
-    let master = MasterSurface::new(&positions, facets)?;
-    let first = positions.len();
+    let (positions, facets) = body.mesh(triangles);
     let slaves: Vec<Vec<Point>> = body.faces.iter().map(Face::slaves).collect();
-    positions.extend(slaves.iter().flatten());
     let options = InterfaceOptions::default().with_element(element);
-    let own = (first..positions.len()).collect();
-    let mut interface = ContactInterface::new(master, own, &[], &positions, options)?;
-    interface.refresh_pairing(&positions)?;
+    let (mut interface, _) = paired(positions, facets, slaves.iter().flatten().copied(), options)?;
     let contacts = interface.evaluate(Mode::Value)?;
     let mut contacts = contacts.iter();
     let mut all = Vec::new();

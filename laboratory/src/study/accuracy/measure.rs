@@ -1,17 +1,14 @@
 //! Errors of gap and normal over one cell.
 
-use diffuse_contact::interface::{
-    ContactElement, ContactInterface, InterfaceOptions, Outcome, PairedElement,
-};
+use diffuse_contact::interface::{ContactElement, InterfaceOptions, Outcome, PairedElement};
 use diffuse_contact::neighbourhood::NeighbourRule;
-use diffuse_contact::surface::MasterSurface;
 use diffuse_contact::{FrameDerivative, Mode, Point, Weight};
 use serde::Serialize;
 
 use super::shapes::Shape;
-use crate::study::StudyError;
 use crate::study::domains::weighted;
 use crate::study::patch::Patch;
+use crate::study::{StudyError, paired};
 use diffuse_contact_cli::contact_options::diffuse;
 
 /// Places across the cell in each direction: multiples of 1/20 from a node on, half of the cell among them.
@@ -67,17 +64,13 @@ pub fn measure(
     (name, element): (&'static str, ContactElement),
 ) -> Result<Measurement, StudyError> {
     let h = cell_degrees.to_radians();
-    let Patch { mut positions, facets } = shape.mesh(h);
-    let master = MasterSurface::new(&positions, facets)?;
+    let Patch { positions, facets } = shape.mesh(h);
     let place = |k: usize| k as f64 / PLACES as f64;
     let exact: Vec<(Point, Point)> =
         (0..PLACES * PLACES).map(|k| shape.at(h, [place(k % PLACES), place(k / PLACES)])).collect();
-    let first = positions.len();
-    positions.extend(exact.iter().map(|(position, _)| *position));
-    let slaves = (first..positions.len()).collect();
     let options = InterfaceOptions::default().with_element(element);
-    let mut interface = ContactInterface::new(master, slaves, &[], &positions, options)?;
-    interface.refresh_pairing(&positions)?;
+    let slaves = exact.iter().map(|(position, _)| *position);
+    let (mut interface, _) = paired(positions, facets, slaves, options)?;
     let contacts = interface.evaluate(Mode::Value)?;
     let (mut errors, mut angles) = (Vec::new(), Vec::new());
     for (slave, (contact, (_, normal))) in contacts.iter().zip(&exact).enumerate() {

@@ -2,12 +2,11 @@
 
 use std::collections::BTreeSet;
 
-use diffuse_contact::interface::{ContactInterface, InterfaceOptions};
-use diffuse_contact::surface::MasterSurface;
+use diffuse_contact::interface::InterfaceOptions;
 use diffuse_contact::{Mode, Point};
 
-use super::super::StudyError;
 use super::super::patch::Patch;
+use super::super::{StudyError, paired};
 use super::rects::{Rect, joined};
 
 /// Where slaves are in their cells: exact in binary, so that boxes are.
@@ -33,14 +32,9 @@ pub struct Stencil {
 
 impl Stencil {
     pub fn new() -> Result<Self, StudyError> {
-        let Patch { mut positions, facets } = Patch::new([SIDE; 2], |x, y| [x, y, 0.0]);
-        let surface = MasterSurface::new(&positions, facets)?;
+        let Patch { positions, facets } = Patch::new([SIDE; 2], |x, y| [x, y, 0.0]);
         let slave: Point = [MIDDLE as f64 + SHIFT[0], MIDDLE as f64 + SHIFT[1], 0.0];
-        let number = positions.len();
-        positions.push(slave);
-        let mut interface =
-            ContactInterface::new(surface, vec![number], &[], &positions, InterfaceOptions::default())?;
-        interface.refresh_pairing(&positions)?;
+        let (mut interface, _) = paired(positions, facets, [slave], InterfaceOptions::default())?;
         let window = interface.window(&[[slave, slave]], 0.0)?;
         let (integers, _) = window.to_numbers();
         let place =

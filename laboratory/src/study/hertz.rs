@@ -152,22 +152,22 @@ fn table(case: &Case, meshes: &[usize], threads: usize) -> Result<Table, SolveEr
 
 /// What pressures are off by, over p₀.
 #[derive(Clone, Copy)]
-struct Errors {
+pub struct Errors {
     nodes: usize,
-    rms: f64,
+    pub rms: f64,
     /// With its sign.
-    largest: f64,
+    pub largest: f64,
     /// Of the largest pressure.
     peak: f64,
 }
 
 impl Errors {
-    /// Of pressures at distances, over p₀ and half width.
-    fn of(points: impl Iterator<Item = [f64; 2]>) -> Self {
+    /// Of pressures at distances, over p₀ and half width; those farther away than `bound` are not compared.
+    pub fn within(bound: f64, points: impl Iterator<Item = [f64; 2]>) -> Self {
         let (mut count, mut sum, mut largest, mut peak) = (0, 0.0, 0.0_f64, 0.0_f64);
         for [distance, pressure] in points {
             peak = peak.max(pressure);
-            if distance <= INNER {
+            if distance <= bound {
                 let error = pressure - (1.0 - distance * distance).sqrt();
                 count += 1;
                 sum += error * error;
@@ -206,8 +206,9 @@ fn press(case: &Case, cells: usize, exchange: bool, threads: usize) -> Result<Pr
             [case.distance(x, y) / half_width, pressure / peak]
         };
         let slaves = || snapshot.slaves();
-        let errors = Errors::of(slaves().map(|slave| over(&slave, fields.contact_pressure[slave.node])));
-        let coefficients = Errors::of(slaves().map(|slave| over(&slave, slave.force / slave.area)));
+        let pressures = slaves().map(|slave| over(&slave, fields.contact_pressure[slave.node]));
+        let coefficients = slaves().map(|slave| over(&slave, slave.force / slave.area));
+        let [errors, coefficients] = [Errors::within(INNER, pressures), Errors::within(INNER, coefficients)];
         Ok(([force, half_width, peak], [errors, coefficients]))
     })?;
     // The last increment ends at the end of time.

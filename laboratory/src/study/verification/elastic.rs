@@ -8,6 +8,7 @@ use diffuse_contact_solver::solve::SolveError;
 use diffuse_contact_solver::verification::LineContact;
 
 use super::{Decks, Findings, Way, divide, percent, row};
+use crate::study::hertz::Errors;
 use crate::study::markdown::Table;
 
 /// Ways, weights of the fit, and cells of the cylinder's core, 20 in the deck.
@@ -28,11 +29,8 @@ const MODULUS: f64 = 0.5 * 210_000.0 / (1.0 - 0.3 * 0.3);
 const RADIUS: f64 = 10.0;
 const LENGTH: f64 = 0.1;
 
-/// Nodes within so many half widths are compared, and those farther inside.
-const BOUNDS: [f64; 2] = [0.95, 0.85];
-
-/// Pressure of a node over p₀, at a distance over a.
-type Node = [f64; 2];
+/// Nodes within so many half widths are compared, those farther inside, and those on the line of first touch.
+const BOUNDS: [f64; 3] = [0.95, 0.85, 1e-9];
 
 pub fn study(decks: &Decks) -> Result<Findings, SolveError> {
     let mut table = Table::new(
@@ -57,14 +55,14 @@ pub fn study(decks: &Decks) -> Result<Findings, SolveError> {
             Ok(nodes.map(|node| [place(node) / half_width, pressures[node] / peak]).collect())
         })?;
         let figures = run.map(|run| {
-            let nodes: &[Node] = run.measures.last().map_or(&[], Vec::as_slice);
-            let [[rms, largest], [inner_rms, inner_largest]] = BOUNDS.map(|bound| errors(nodes, bound));
+            let nodes: &[[f64; 2]] = run.measures.last().map_or(&[], Vec::as_slice);
+            let [all, inner, middle] = BOUNDS.map(|bound| Errors::within(bound, nodes.iter().copied()));
             [
-                format!("{:.2} %", 100.0 * rms),
-                percent(largest),
-                percent(middle(nodes)),
-                format!("{:.2} %", 100.0 * inner_rms),
-                percent(inner_largest),
+                format!("{:.2} %", 100.0 * all.rms),
+                percent(all.largest),
+                percent(middle.largest),
+                format!("{:.2} %", 100.0 * inner.rms),
+                percent(inner.largest),
                 run.iterations.to_string(),
                 run.cutbacks.to_string(),
             ]
@@ -73,22 +71,4 @@ pub fn study(decks: &Decks) -> Result<Findings, SolveError> {
         row(&mut table, &[way.name(), weight, &cells.to_string()], figures);
     }
     Ok(Findings { table, charts: Vec::new() })
-}
-
-fn error([distance, pressure]: Node) -> f64 {
-    pressure - (1.0 - distance * distance).max(0.0).sqrt()
-}
-
-/// Rms and largest of the errors within so many half widths.
-fn errors(nodes: &[Node], bound: f64) -> [f64; 2] {
-    let found: Vec<f64> = nodes.iter().filter(|node| node[0] <= bound).map(|&node| error(node)).collect();
-    let squares: f64 = found.iter().map(|error| error * error).sum();
-    let largest =
-        found.iter().copied().fold(0.0, |most: f64, one| if one.abs() > most.abs() { one } else { most });
-    [(squares / found.len() as f64).sqrt(), largest]
-}
-
-/// The largest error on the line of first touch.
-fn middle(nodes: &[Node]) -> f64 {
-    errors(nodes, 1e-9)[1]
 }

@@ -105,25 +105,22 @@ where
 /// The interface of `side`² slaves and `side`² masters.
 fn measure(side: usize, with_assembly: bool) -> Result<Throughput, StudyError> {
     let (mut positions, slaves, facets) = scene(side);
-    let (master, connect_s) = timed(|| MasterSurface::new(&positions, facets));
+    let (master, connect_s) = timed(|| MasterSurface::new(&positions, facets))?;
     let nodes = slaves.len();
     let options = InterfaceOptions::default();
-    let master = master?;
-    let (interface, domains_s) = timed(|| ContactInterface::new(master, slaves, &[], &positions, options));
-    let mut interface = interface?;
-    let (refreshed, refresh_s) = timed(|| interface.refresh_pairing(&positions));
-    refreshed?;
+    let (mut interface, domains_s) =
+        timed(|| ContactInterface::new(master, slaves, &[], &positions, options))?;
+    let (_, refresh_s) = timed(|| interface.refresh_pairing(&positions))?;
     // A small slide, as between two iterations.
     for position in &mut positions[side * side..] {
         position[0] += 1e-3;
     }
-    let (refreshed, refresh_kept_s) = timed(|| interface.refresh_pairing(&positions));
-    refreshed?;
+    let (_, refresh_kept_s) = timed(|| interface.refresh_pairing(&positions))?;
     let all = positions.len();
     drop(positions);
     let bar = logged("slave nodes", nodes);
     let (mut contacts, mut masters, mut reason) = (0, 0, None::<(usize, NoContact)>);
-    let (streamed, evaluate_s) = timed(|| {
+    let streamed = timed(|| {
         interface.for_each(Mode::Hessian, |contact| {
             match contact.outcome {
                 Outcome::Contact { .. } => {
@@ -136,7 +133,7 @@ fn measure(side: usize, with_assembly: bool) -> Result<Throughput, StudyError> {
         })
     });
     bar.finish_and_clear();
-    streamed?;
+    let ((), evaluate_s) = streamed?;
     // Times of slaves without contact would be too good.
     if let Some((slave, reason)) = reason {
         return Err(StudyError::NoContact { case: format!("{nodes} nodes"), slave, reason });
@@ -161,15 +158,12 @@ fn measure(side: usize, with_assembly: bool) -> Result<Throughput, StudyError> {
 fn assemble(interface: &mut ContactInterface, nodes: usize) -> Result<Assembly, StudyError> {
     let contacts = interface.evaluate(Mode::Hessian)?;
     let (law, dofs) = (ContactLaw::penalty(1.0), DofMap::standard(nodes));
-    let (pattern, pattern_s) = timed(|| CsrPattern::union(contacts, &dofs));
-    let pattern = pattern?;
-    let (filled, fill_s) = timed(|| {
+    let (pattern, pattern_s) = timed(|| CsrPattern::union(contacts, &dofs))?;
+    let (mut values, fill_s) = timed(|| {
         let mut values = vec![0.0; pattern.entries()];
         pattern.fill(contacts, &law, &mut values).map(|_| values)
-    });
-    let mut values = filled?;
-    let (filled, refill_s) = timed(|| pattern.fill(contacts, &law, &mut values));
-    filled?;
+    })?;
+    let (_, refill_s) = timed(|| pattern.fill(contacts, &law, &mut values))?;
     Ok(Assembly { pattern_s, fill_s, refill_s, entries: pattern.entries() as f64 / contacts.len() as f64 })
 }
 
@@ -191,10 +185,10 @@ fn scene(side: usize) -> (Vec<Point>, Vec<usize>, Vec<Facet>) {
 }
 
 /// What a step returns, and how long it took in seconds.
-fn timed<T>(step: impl FnOnce() -> T) -> (T, f64) {
+fn timed<T, E>(step: impl FnOnce() -> Result<T, E>) -> Result<(T, f64), E> {
     let start = Instant::now();
-    let result = step();
-    (result, start.elapsed().as_secs_f64())
+    let result = step()?;
+    Ok((result, start.elapsed().as_secs_f64()))
 }
 
 /// A time, and that of one of so many slaves.

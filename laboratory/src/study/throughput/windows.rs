@@ -95,12 +95,11 @@ impl Windowed {
         let nodes = side * side;
         let mut found = Self { nodes, windows, threads: rayon::current_num_threads(), ..Self::default() };
         let (mut positions, slaves, facets) = scene(side);
-        let (made, make_s) = timed(|| -> Result<_, StudyError> {
+        let (mut whole, make_s) = timed(|| -> Result<_, StudyError> {
             let master = MasterSurface::new(&positions, facets)?;
             Ok(ContactInterface::new(master, slaves.clone(), &[], &positions, InterfaceOptions::default())?)
-        });
+        })?;
         found.make_s = make_s;
-        let mut whole = made?;
         positions.iter_mut().for_each(|x| x[2] += MOVED[0] * (MOVED[1] * x[0]).sin());
         let expected = found.evaluate_whole(&mut whole, &positions)?;
         let parts = found.cut(&whole, &dealt(slaves, &positions, windows), &positions, reach)?;
@@ -122,10 +121,8 @@ impl Windowed {
         whole: &mut ContactInterface,
         positions: &[Point],
     ) -> Result<Vec<SlaveBits>, StudyError> {
-        let (refreshed, refresh_s) = timed(|| whole.refresh_pairing(positions));
-        refreshed?;
-        let (bits, evaluate_s) = timed(|| SlaveBits::of_all(whole, u64::from));
-        let bits = bits?;
+        let (_, refresh_s) = timed(|| whole.refresh_pairing(positions))?;
+        let (bits, evaluate_s) = timed(|| SlaveBits::of_all(whole, u64::from))?;
         self.whole = Times { refresh_s, evaluate_s };
         self.contacts = bits.iter().filter(|bits| bits.is_contact).count();
         Ok(bits)
@@ -144,12 +141,11 @@ impl Windowed {
         let mut parts = Vec::new();
         for slaves in groups {
             let own: Vec<Point> = slaves.iter().map(|&slave| positions[slave]).collect();
-            let (cut, cut_s) = timed(|| -> Result<_, StudyError> {
+            let ((window, numbers), cut_s) = timed(|| -> Result<_, StudyError> {
                 let window = whole.window(&boxes_around(&own, reach, BOXES), 0.0)?;
                 let numbers = window.to_numbers();
                 Ok((window, numbers))
-            });
-            let (window, numbers) = cut?;
+            })?;
             self.cut_s += cut_s;
             self.window_bytes.add(8 * (numbers.0.len() + numbers.1.len()));
             let nodes: Vec<usize> = window.nodes().map(|node| node as usize).collect();
@@ -171,15 +167,13 @@ impl Windowed {
         positions: &[Point],
         expected: &[SlaveBits],
     ) -> Result<(), StudyError> {
-        let (joined, join_s) = timed(|| part.interface(positions));
-        let (mut interface, names, own) = joined?;
-        let (refreshed, refresh_s) = timed(|| interface.refresh_pairing(&own));
-        refreshed?;
-        let (bits, evaluate_s) = timed(|| SlaveBits::of_all(&interface, |node| names[node as usize]));
+        let ((mut interface, names, own), join_s) = timed(|| part.interface(positions))?;
+        let (_, refresh_s) = timed(|| interface.refresh_pairing(&own))?;
+        let (bits, evaluate_s) = timed(|| SlaveBits::of_all(&interface, |node| names[node as usize]))?;
         self.join_s += join_s;
         self.parts.refresh_s += refresh_s;
         self.parts.evaluate_s += evaluate_s;
-        for (bits, slave) in bits?.iter().zip(&part.slaves) {
+        for (bits, slave) in bits.iter().zip(&part.slaves) {
             self.different += usize::from(*bits != expected[slave - self.nodes]);
             self.beyond_window += usize::from(bits.is_beyond_window);
         }

@@ -207,6 +207,18 @@ fn row<const N: usize>(table: &mut Table, names: &[&str], figures: Result<[Strin
     table.row(format!("{} | {figures}", names.join(" | ")));
 }
 
+/// How many times larger a figure is with facets, which come first: `classic` is theirs, once it is known.
+fn classic_over(classic: &mut Option<f64>, way: Way, own: f64) -> String {
+    match (way.element, *classic) {
+        (Contact::NodeToFacet, _) => {
+            *classic = Some(own);
+            String::new()
+        }
+        (_, Some(classic)) => format!("{:.1}", classic / own),
+        (_, None) => "–".to_owned(),
+    }
+}
+
 /// Sets the numbers of cells of a part of a shipped deck.
 fn divide(deck: &mut Deck, part: &str, divisions: &[usize]) {
     if let Some(shape) = deck.shape_mut(part) {

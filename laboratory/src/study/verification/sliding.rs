@@ -1,11 +1,10 @@
 //! A block on a cylinder that turns under it: without friction the force is constant.
 
-use diffuse_contact_solver::deck::Contact;
 use diffuse_contact_solver::solve::SolveError;
 use diffuse_contact_solver::verification::{Oscillation, Trace};
 
 use super::plot::chart;
-use super::{Decks, Findings, SURFACES, Way, row};
+use super::{Decks, Findings, SURFACES, Way, classic_over, row};
 use crate::study::markdown::Table;
 use crate::study::plot::Curve;
 
@@ -23,7 +22,7 @@ pub fn study(decks: &Decks) -> Result<Findings, SolveError> {
     let mut table = Table::new("Block on a turning cylinder: force while it turns", columns);
     let mut charts: [Vec<Curve>; 2] = Default::default();
     for (around, facets) in [(15, "6°"), (30, "3°"), (60, "1.5°")] {
-        let mut classic: Option<[f64; 2]> = None;
+        let mut classic = [None; 2];
         for way in SURFACES {
             let mut deck = decks.by(way)?;
             super::divide(&mut deck, "cylinder", &[around]);
@@ -53,21 +52,14 @@ fn is_turning(time: f64) -> bool {
 }
 
 /// The cells of a run. `classic`: both oscillations with facets, once they are known.
-fn figures(run: &Trace<Force>, way: Way, classic: &mut Option<[f64; 2]>) -> [String; 7] {
+fn figures(run: &Trace<Force>, way: Way, classic: &mut [Option<f64>; 2]) -> [String; 7] {
     let of = |axis: usize| {
         let turning = run.measures.iter().filter(|(time, _)| is_turning(*time));
         Oscillation::of(turning.map(|(_, force)| force[axis]))
     };
     let mean = of(2).map_or(f64::NAN, |force| force.mean);
     let relative = [2, 0].map(|axis| of(axis).map_or(f64::NAN, |force| force.peak_to_peak() / mean));
-    let ratios = match (way.element, *classic) {
-        (Contact::NodeToFacet, _) => {
-            *classic = Some(relative);
-            [String::new(), String::new()]
-        }
-        (_, Some(classic)) => [0, 1].map(|k| format!("{:.1}", classic[k] / relative[k])),
-        (_, None) => ["–", "–"].map(str::to_owned),
-    };
+    let ratios = [0, 1].map(|k| classic_over(&mut classic[k], way, relative[k]));
     let ([up, along], [ratio_up, ratio_along]) = (relative.map(|r| format!("{r:.2e}")), ratios);
     let [iterations, cutbacks] = [run.iterations, run.cutbacks].map(|count| count.to_string());
     [format!("{mean:.2}"), up, ratio_up, along, ratio_along, iterations, cutbacks]

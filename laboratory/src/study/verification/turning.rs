@@ -1,11 +1,10 @@
 //! One ring turned in another with an interference: without friction there is no torque.
 
-use diffuse_contact_solver::deck::Contact;
 use diffuse_contact_solver::solve::SolveError;
 use diffuse_contact_solver::verification::{Oscillation, Trace};
 
 use super::plot::chart;
-use super::{Decks, Findings, SURFACES, Way, row};
+use super::{Decks, Findings, SURFACES, Way, classic_over, row};
 use crate::study::markdown::Table;
 
 /// The support that turns, and its angle at the end, degrees.
@@ -52,18 +51,10 @@ fn figures(run: &Trace<Torque>, way: Way, classic: &mut Option<f64>) -> [String;
     let amplitude = Oscillation::of(run.measures.iter().map(|[_, torque, _]| *torque))
         .map_or(0.0, |torque| torque.amplitude());
     let force = run.measures.last().map_or(0.0, |measure| measure[2]);
-    let ratio = match (way.element, *classic) {
-        (Contact::NodeToFacet, _) => {
-            *classic = Some(amplitude);
-            String::new()
-        }
-        (_, Some(classic)) => format!("{:.1}", classic / amplitude),
-        (_, None) => "–".to_owned(),
-    };
     [
         format!("{amplitude:.3e}"),
         format!("{:.2e}", amplitude / (RADIUS * force)),
-        ratio,
+        classic_over(classic, way, amplitude),
         format!("{force:.0}"),
         run.iterations.to_string(),
         run.cutbacks.to_string(),

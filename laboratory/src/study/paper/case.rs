@@ -117,7 +117,7 @@ impl Case {
         let model = deck.model(Path::new(""))?;
         let mut statics = statics(&deck, &model, 1)?;
         let start = statics.problem().start();
-        let mut watch = Watch::new(self.limit);
+        let mut watch = Watch { limit: self.limit, ..Watch::default() };
         let begin = Instant::now();
         let failure = match statics.run(start, &mut watch) {
             Ok(_) => None,
@@ -150,12 +150,6 @@ struct Watch {
     increments: Vec<IncrementRecord>,
     positions: Vec<Vec<[f64; 3]>>,
     forces: Vec<BTreeMap<usize, f64>>,
-}
-
-impl Watch {
-    fn new(limit: Option<usize>) -> Self {
-        Self { limit, ..Self::default() }
-    }
 }
 
 impl Observer for Watch {

@@ -29,7 +29,7 @@ pub struct State {
 }
 
 /// What was met along the path.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub struct Curve {
     /// The element.
     pub element: ContactElement,
@@ -99,17 +99,7 @@ pub fn sweep(
     let mut slave = Slave::new(element, cells)?;
     let turn = |step: u32| f64::from(step) / f64::from(steps);
     slave.refresh_at(scene::path(0.0))?;
-    let mut curve = Curve {
-        element,
-        states: Vec::with_capacity(steps as usize),
-        changes: 0,
-        lost: 0,
-        gap_jump: 0.0,
-        kink_degrees: 0.0,
-        work: 0.0,
-        effort: 0.0,
-        energy_jumps: 0.0,
-    };
+    let mut curve = Curve { element, ..Curve::default() };
     let mut from = slave.state()?;
     for step in 1..=steps {
         curve.states.push(from);

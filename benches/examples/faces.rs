@@ -17,10 +17,11 @@ use diffuse_contact::{
     Basis, BatchScratch, Domains, Element, ElementError, FootSlot, Frame, GapSlot, Generated,
     InterfaceOptions, MaterialDomain, MaterialNode, MaterialPlace, Mode, Point, Weight,
 };
+use diffuse_contact_benches::generated::inputs;
 use diffuse_contact_benches::peak::fma_per_ns;
 use diffuse_contact_kernels::cubic::Cubic;
 use diffuse_contact_kernels::support::{
-    BatchElement, ElementInputs, FrameRule, GapValues, KernelSet, Masters, SecondKind, Status, Workspace,
+    BatchElement, FrameRule, GapValues, KernelSet, SecondKind, Status, Workspace,
 };
 
 type Failure = Box<dyn std::error::Error>;
@@ -121,22 +122,9 @@ impl Patches {
         Ok(all)
     }
 
-    /// What a kernel reads of a point.
-    fn inputs(&self, k: usize) -> ElementInputs<'_> {
+    fn element(&self, k: usize) -> Element<'_> {
         let (slave, frame) = self.slaves[k];
-        ElementInputs {
-            slave,
-            masters: Masters::Positions(&self.masters[k]),
-            domains: Domains::Material(&self.nodes[k]),
-            plane_reach: frame.reach,
-            t1: frame.t1,
-            t2: frame.t2,
-            normal: frame.normal,
-            support_radius: 1.0,
-            point: [0.0; 2],
-            anchor: [0.0; 3],
-            pole: 0,
-        }
+        Element::new(slave, &self.masters[k], frame, 1.0).with_domains(Domains::Material(&self.nodes[k]))
     }
 
     /// µs of a point for gap, foot, normal, N and what `kind` says.
@@ -157,7 +145,7 @@ impl Patches {
                 let mut elements: Vec<BatchElement<'_>> = (first..)
                     .zip(slots)
                     .map(|(k, (gradient, hessian))| BatchElement {
-                        inputs: self.inputs(k),
+                        inputs: inputs(&self.element(k), [0.0; 2]),
                         values: GapValues::NONE,
                         gradient,
                         hessian,
@@ -175,11 +163,7 @@ impl Patches {
 
     /// µs of a point for all first derivatives, its element checked before and ∂x^d/∂x made of N and ∂ν/∂x after.
     fn checked(&self, rounds: usize) -> Result<f64, Failure> {
-        let elements: Vec<Element<'_>> = (self.masters.iter().zip(&self.nodes).zip(&self.slaves))
-            .map(|((masters, nodes), &(slave, frame))| {
-                Element::new(slave, masters, frame, 1.0).with_domains(Domains::Material(nodes))
-            })
-            .collect();
+        let elements: Vec<Element<'_>> = (0..ELEMENTS).map(|k| self.element(k)).collect();
         let form = Generated.hessian_form(&elements[0])?;
         let freedoms = form.degrees_of_freedom();
         let mut gradients = vec![0.0; freedoms * ELEMENTS];

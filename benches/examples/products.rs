@@ -11,6 +11,7 @@ use diffuse_contact::assembly::{ContactLaw, CsrPattern, DofMap, TangentOperator}
 use diffuse_contact::interface::{ContactInterface, InterfaceOptions};
 use diffuse_contact::surface::{Facet, MasterSurface};
 use diffuse_contact::{BatchScratch, Element, Frame, GapSlot, Generated, HessianForm, Mode, Point};
+use diffuse_contact_benches::Random;
 
 type Failure = Box<dyn std::error::Error>;
 
@@ -30,24 +31,14 @@ fn main() -> Result<(), Failure> {
     interface(side)
 }
 
-/// Numbers from −1 to 1.
-struct Noise(u64);
-
-impl Noise {
-    fn next(&mut self) -> f64 {
-        self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        2.0 * ((self.0 >> 11) as f64 / (1u64 << 53) as f64) - 1.0
-    }
-}
-
 /// The masters of an element about the origin, in rings, and where the slave is.
-fn patch(nodes: usize, noise: &mut Noise) -> (Point, Vec<Point>) {
-    let slave = [0.05 * noise.next(), 0.05 * noise.next(), 0.1 * noise.next()];
+fn patch(nodes: usize, noise: &mut Random) -> (Point, Vec<Point>) {
+    let slave = [0.05 * noise.signed(), 0.05 * noise.signed(), 0.1 * noise.signed()];
     let masters = (0..nodes).map(|k| {
         let radius = ((k as f64 + 0.5) / nodes as f64).sqrt();
-        let angle = 2.399_963 * k as f64 + 0.1 * noise.next();
+        let angle = 2.399_963 * k as f64 + 0.1 * noise.signed();
         let (x, y) = (radius * angle.cos(), radius * angle.sin());
-        [x, y, 0.1 * x * x - 0.07 * x * y + 0.01 * noise.next()]
+        [x, y, 0.1 * x * x - 0.07 * x * y + 0.01 * noise.signed()]
     });
     (slave, masters.collect())
 }
@@ -58,7 +49,7 @@ fn element((slave, masters): &(Point, Vec<Point>), moving: bool) -> Result<Eleme
 }
 
 fn elements(nodes: usize, moving: bool) -> Result<(), Failure> {
-    let mut noise = Noise(7);
+    let mut noise = Random::seeded(7);
     let patches: Vec<(Point, Vec<Point>)> = (0..ELEMENTS).map(|_| patch(nodes, &mut noise)).collect();
     let all: Vec<Element<'_>> =
         patches.iter().map(|patch| element(patch, moving)).collect::<Result<_, _>>()?;
@@ -129,10 +120,10 @@ fn interface(side: usize) -> Result<(), Failure> {
 
 /// A surface of so many nodes each way, and as many slaves a little below it.
 fn scene(side: usize) -> Result<(Vec<Point>, ContactInterface), Failure> {
-    let mut noise = Noise(3);
+    let mut noise = Random::seeded(3);
     let mut positions: Vec<Point> = Vec::new();
     for k in 0..side * side {
-        let (x, y) = ((k % side) as f64 + 0.1 * noise.next(), (k / side) as f64 + 0.1 * noise.next());
+        let (x, y) = ((k % side) as f64 + 0.1 * noise.signed(), (k / side) as f64 + 0.1 * noise.signed());
         positions.push([x, y, height(x, y)]);
     }
     let cells = (side - 1) * (side - 1);

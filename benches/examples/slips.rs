@@ -7,11 +7,11 @@
 use std::hint::black_box;
 use std::time::Instant;
 
-use diffuse_contact::{Basis, Domains, Frame, Mode, Point};
+use diffuse_contact::{Basis, Domains, Element, Frame, Mode, Point};
+use diffuse_contact_benches::generated::inputs;
 use diffuse_contact_kernels::cubic::Cubic;
 use diffuse_contact_kernels::support::{
-    BatchElement, ElementInputs, FrameRule, GapValues, KernelSet, Masters, MaterialNode, Status, Workspace,
-    packed_row,
+    BatchElement, ElementInputs, FrameRule, GapValues, KernelSet, MaterialNode, Status, Workspace, packed_row,
 };
 
 type Failure = Box<dyn std::error::Error>;
@@ -59,10 +59,12 @@ fn measure(nodes: usize, rule: FrameRule) -> Result<[f64; 2], Failure> {
     let is_material = rule == FrameRule::Material;
     let domains: Vec<Vec<MaterialNode>> =
         patches.iter().map(|masters| masters.iter().map(domain).collect()).collect();
-    let inputs = |(k, masters): (usize, &Vec<Point>)| -> Result<(usize, Frame), Failure> {
-        Ok((k, Frame::average_plane(masters, [0.0, 0.0, 1.0])?))
-    };
-    let frames: Vec<(usize, Frame)> = patches.iter().enumerate().map(inputs).collect::<Result<_, _>>()?;
+    let mut all = Vec::with_capacity(ELEMENTS);
+    for (masters, domains) in patches.iter().zip(&domains) {
+        let frame = Frame::average_plane(masters, [0.0, 0.0, 1.0])?;
+        let domains = if is_material { Domains::Material(domains) } else { Domains::Shared };
+        all.push(Element::new(SLAVE, masters, frame, SUPPORT_RADIUS).with_domains(domains));
+    }
     let freedoms = 3 * (nodes + 1);
     let sizes = [
         (freedoms, packed_row(freedoms)),
@@ -76,26 +78,14 @@ fn measure(nodes: usize, rule: FrameRule) -> Result<[f64; 2], Failure> {
     for _ in 0..ROUNDS {
         for (what, (gradients, hessians)) in sizes.into_iter().enumerate() {
             let start = Instant::now();
-            for batch in frames.chunks(BATCH) {
+            for batch in all.chunks(BATCH) {
                 let mut rest = numbers[what].chunks_exact_mut(gradients + hessians);
-                let element = |&(k, frame): &(usize, Frame)| {
+                let elements = batch.iter().filter_map(|element| {
                     let (gradient, hessian) = rest.next()?.split_at_mut(gradients);
-                    let inputs = ElementInputs {
-                        slave: SLAVE,
-                        masters: Masters::Positions(&patches[k]),
-                        domains: if is_material { Domains::Material(&domains[k]) } else { Domains::Shared },
-                        plane_reach: frame.reach,
-                        t1: frame.t1,
-                        t2: frame.t2,
-                        normal: frame.normal,
-                        support_radius: SUPPORT_RADIUS,
-                        point: [0.0; 2],
-                        anchor: [0.02, 0.01, 0.0],
-                        pole: 0,
-                    };
+                    let inputs = ElementInputs { anchor: [0.02, 0.01, 0.0], ..inputs(element, [0.0; 2]) };
                     Some(BatchElement { inputs, values: GapValues::NONE, gradient, hessian, places: &[] })
-                };
-                let mut elements: Vec<BatchElement<'_>> = batch.iter().filter_map(element).collect();
+                });
+                let mut elements: Vec<BatchElement<'_>> = elements.collect();
                 match what {
                     0 => Cubic::gap_batch(isa, kernel, &mut elements, &mut workspace),
                     _ => Cubic::slip_batch(isa, kernel, &mut elements, &mut workspace),

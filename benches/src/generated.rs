@@ -128,7 +128,8 @@ pub(crate) fn hessian_size(elements: &Elements, output: Output) -> usize {
     if output == Output::GapGradient { 0 } else { freedoms * (freedoms + 1) / 2 }
 }
 
-pub(crate) fn inputs<'a>(element: &Element<'a>, point: [f64; 2]) -> ElementInputs<'a> {
+/// What kernels read of an element; `point` is where a surface is evaluated.
+pub fn inputs<'a>(element: &Element<'a>, point: [f64; 2]) -> ElementInputs<'a> {
     ElementInputs {
         slave: element.slave,
         masters: Masters::Positions(element.masters),

@@ -28,7 +28,7 @@ impl Interface {
         let mut forces = writable(forces)?;
         let forces = slice_mut(py, &mut forces)?;
         let (contacts, dofs) = (this.contacts(py)?, &this.dofs);
-        threads::run(py, || add_forces(contacts, &law, dofs, forces)).map_err(|error| error.raise(py))
+        threads::attempt(py, || add_forces(contacts, &law, dofs, forces))
     }
 
     /// Rows, columns and values of the tangents of all contacts that carry force, one after the other.
@@ -45,8 +45,7 @@ impl Interface {
         let (contacts, dofs) = (this.contacts(py)?, &this.dofs);
         let mut triplets = Triplets::new();
         let list = &mut triplets;
-        let filled = threads::run(py, || list.fill(contacts, &law, dofs, triangle));
-        filled.map_err(|error| error.raise(py))?;
+        threads::attempt(py, || list.fill(contacts, &law, dofs, triangle))?;
         Ok(of_triplets(py, &triplets))
     }
 
@@ -66,8 +65,8 @@ impl Interface {
             law.checked_normal_force(element, gap, area).map(|at| at.force)
         };
         let forces =
-            threads::run(py, || contacts.iter().enumerate().map(force).collect::<Result<Vec<f64>, _>>());
-        Ok(PyArray1::from_vec(py, forces.map_err(|error| error.raise(py))?))
+            threads::attempt(py, || contacts.iter().enumerate().map(force).collect::<Result<_, _>>())?;
+        Ok(PyArray1::from_vec(py, forces))
     }
 
     /// Traction, state and slip of every slave.
@@ -80,7 +79,7 @@ impl Interface {
         let own = law.own(py)?;
         let law = own.law(py)?;
         let contacts = this.contacts(py)?;
-        let found = threads::run(py, || slave_friction(contacts, &law)).map_err(|error| error.raise(py))?;
+        let found = threads::attempt(py, || slave_friction(contacts, &law))?;
         Ok((
             PyArray1::from_vec(py, found.iter().flat_map(|slave| slave.traction).collect()),
             words(py, found.iter().map(|slave| slave.state.name()))?,

@@ -90,7 +90,7 @@ impl Faces {
         let master = master.surface.clone();
         let planes = planes(py, symmetry)?;
         let curved = quadratic_faces(py, &quadratic)?;
-        let made = threads::run(py, || {
+        let interface = threads::attempt(py, || -> Result<_, InterfaceError> {
             let mut interface = match &faces {
                 Some(faces) => FaceInterface::new(master, faces, positions, options)?,
                 None => FaceInterface::self_contact(master, positions, options)?,
@@ -102,8 +102,7 @@ impl Faces {
                 interface.set_symmetry(&planes)?;
             }
             Ok(interface)
-        });
-        let interface = made.map_err(|error: InterfaceError| error.raise(py))?;
+        })?;
         Ok(Self { interface, dofs, current: false })
     }
 
@@ -129,14 +128,13 @@ impl Faces {
         let (master, slave) = (&master.window, &slave.window);
         let [below, above] = quadratic;
         let (below, above) = (quadratic_faces(py, &below)?, quadratic_faces(py, &above)?);
-        let made = threads::run(py, || {
+        let interface = threads::attempt(py, || -> Result<_, InterfaceError> {
             let mut interface = FaceInterface::in_window(master, slave, positions, options)?;
             if !(below.is_empty() && above.is_empty()) {
                 interface.set_quadratic_faces_by_number(&below, &above)?;
             }
             Ok(interface)
-        });
-        let interface = made.map_err(|error: InterfaceError| error.raise(py))?;
+        })?;
         Ok(Self { interface, dofs, current: false })
     }
 
@@ -166,10 +164,9 @@ impl Faces {
         let positions = readable(positions)?;
         let positions = points(py, &positions)?;
         let interface = &mut this.interface;
-        let taken = threads::run(py, || {
+        let FaceReport { points, paired, faces, grown } = threads::attempt(py, || {
             if forgets { interface.refresh(positions) } else { interface.update(positions) }
-        });
-        let FaceReport { points, paired, faces, grown } = taken.map_err(|error| error.raise(py))?;
+        })?;
         this.current = false;
         Ok((points, paired, faces, grown))
     }
@@ -228,7 +225,7 @@ impl Faces {
         let this = shared(slf)?;
         this.contacts(py)?;
         let interface = &this.interface;
-        let points = threads::run(py, || interface.integration_points()).map_err(|error| error.raise(py))?;
+        let points = threads::attempt(py, || interface.integration_points())?;
         let numbers =
             |of: fn(&IntegrationPoint) -> f64| PyArray1::from_vec(py, points.iter().map(of).collect());
         let vectors =
@@ -258,7 +255,7 @@ impl Faces {
         let mut forces = writable(forces)?;
         let forces = slice_mut(py, &mut forces)?;
         let (contacts, dofs) = (this.contacts(py)?, &this.dofs);
-        threads::run(py, || contacts.add_forces(dofs, forces)).map_err(|error| error.raise(py))
+        threads::attempt(py, || contacts.add_forces(dofs, forces))
     }
 
     /// Nodes that couple: offsets of the cliques, and their nodes.
@@ -294,7 +291,7 @@ impl Faces {
         let mut product = writable(product)?;
         let product = slice_mut(py, &mut product)?;
         let (contacts, dofs) = (this.contacts(py)?, &this.dofs);
-        threads::run(py, || contacts.add_product(tangent, dofs, v, product)).map_err(|error| error.raise(py))
+        threads::attempt(py, || contacts.add_product(tangent, dofs, v, product))
     }
 
     /// Rows, columns and values of the tangent, to be summed.
@@ -306,8 +303,7 @@ impl Faces {
         let this = shared(slf)?;
         let tangent: Tangent = options::tangent(py, tangent)?;
         let (contacts, dofs) = (this.contacts(py)?, &this.dofs);
-        let made = threads::run(py, || contacts.triplets(tangent, dofs));
-        let triplets = made.map_err(|error| error.raise(py))?;
+        let triplets = threads::attempt(py, || contacts.triplets(tangent, dofs))?;
         Ok(of_triplets(py, &triplets))
     }
 }

@@ -5,7 +5,6 @@ use numpy::PyArray1;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
-use crate::errors::Raise;
 use crate::interface::{Interface, shared};
 use crate::threads;
 
@@ -59,13 +58,12 @@ impl Interface {
         let py = slf.py();
         let this = shared(slf)?;
         let interface = &this.interface;
-        let made = threads::run(py, || {
+        let (feet, entries) = threads::attempt(py, || {
             interface.foot_derivatives().map(|feet| {
                 let entries = Entries::of(&feet);
                 (feet, entries)
             })
-        });
-        let (feet, entries) = made.map_err(|error| error.raise(py))?;
+        })?;
         let Entries { offsets, nodes, weights, jacobians: [foot_jacobian, normal_jacobian] } = entries;
         let point = |foot: FootRef<'_>| {
             let ([x, y, z], [u, v, w]) = (foot.point.foot, foot.point.normal);

@@ -4,7 +4,7 @@ use numpy::PyArray1;
 use pyo3::prelude::*;
 
 use crate::arrays::{Numbers, readable, slice};
-use crate::errors::{self, Raise};
+use crate::errors;
 use crate::faces::Faces;
 use crate::interface::{Interface, exclusive, shared};
 use crate::law::Law;
@@ -23,7 +23,7 @@ macro_rules! has_history {
                 let own = law.own(py)?;
                 let law = own.law(py)?;
                 let interface = &mut this.interface;
-                let report = threads::run(py, || interface.accept(&law)).map_err(|error| error.raise(py))?;
+                let report = threads::attempt(py, || interface.accept(&law))?;
                 this.current &= !this.interface.has_history();
                 Ok((report.stuck, report.sliding, report.unanchored, report.dropped, report.dissipated))
             }
@@ -47,7 +47,7 @@ macro_rules! has_history {
                 }
                 let interface = &mut this.interface;
                 let moves = |slave: usize| moves.is_none_or(|moves| moves[slave]);
-                threads::run(py, || interface.augment(&law, moves)).map_err(|error| error.raise(py))?;
+                threads::attempt(py, || interface.augment(&law, moves))?;
                 this.current &= law.friction.is_none();
                 Ok(())
             }
@@ -59,8 +59,7 @@ macro_rules! has_history {
                 let own = law.own(py)?;
                 let law = own.law(py)?;
                 let interface = &this.interface;
-                let errors =
-                    threads::run(py, || interface.slip_errors(&law)).map_err(|error| error.raise(py))?;
+                let errors = threads::attempt(py, || interface.slip_errors(&law))?;
                 Ok(PyArray1::from_vec(py, errors))
             }
 
@@ -89,7 +88,7 @@ macro_rules! has_history {
                 let history = readable(history)?;
                 let history = slice(py, &history)?;
                 let interface = &mut this.interface;
-                threads::run(py, || interface.set_history(history)).map_err(|error| error.raise(py))?;
+                threads::attempt(py, || interface.set_history(history))?;
                 this.current = false;
                 Ok(())
             }

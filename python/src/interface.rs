@@ -133,10 +133,9 @@ impl Interface {
         let dofs = dofs_of(py, equations, positions.len())?;
         let planes = planes(py, symmetry)?;
         let master = master.surface.clone();
-        let made = threads::run(py, || {
+        let interface = threads::attempt(py, || {
             with_planes(ContactInterface::new(master, slaves, &slave_facets, positions, options)?, &planes)
-        });
-        let interface = made.map_err(|error: InterfaceError| error.raise(py))?;
+        })?;
         Ok(Self::of(interface, dofs))
     }
 
@@ -158,10 +157,10 @@ impl Interface {
         let dofs = dofs_of(py, equations, positions.len())?;
         let planes = planes(py, symmetry)?;
         let surface = surface.surface.clone();
-        let made = threads::run(py, || {
+        let interface = threads::attempt(py, || {
             with_planes(ContactInterface::self_contact(surface, positions, options)?, &planes)
-        });
-        Ok(Self::of(made.map_err(|error: InterfaceError| error.raise(py))?, dofs))
+        })?;
+        Ok(Self::of(interface, dofs))
     }
 
     fn slaves<'py>(slf: &Bound<'py, Self>) -> PyResult<Indices<'py>> {
@@ -180,15 +179,14 @@ impl Interface {
         let positions = points(py, &positions)?;
         let frozen = this.frozen;
         let Interface { interface, cutback, current, .. } = &mut *this;
-        let report = threads::run(py, || match (frozen, renew) {
+        let report = threads::attempt(py, || match (frozen, renew) {
             (true, _) => interface.update(positions).map(|()| RefreshReport::default()),
             (false, false) => interface.refresh_pairing(positions),
             (false, true) => interface.renew_pairing(positions),
-        });
-        let report = report.map_err(|error| error.raise(py))?;
+        })?;
         *current = false;
         if !frozen {
-            threads::run(py, || cutback.begin(interface)).map_err(|error| error.raise(py))?;
+            threads::attempt(py, || cutback.begin(interface))?;
         }
         let dict = report::to_dict(py, &report)?;
         dict.set_item("frozen", frozen)?;
@@ -213,7 +211,7 @@ impl Interface {
         let positions = readable(positions)?;
         let positions = points(py, &positions)?;
         let interface = &mut this.interface;
-        threads::run(py, || interface.update(positions)).map_err(|error| error.raise(py))?;
+        threads::attempt(py, || interface.update(positions))?;
         this.current = false;
         Ok(())
     }
@@ -225,10 +223,9 @@ impl Interface {
         let positions = readable(positions)?;
         let positions = points(py, &positions)?;
         let (frozen, interface) = (this.frozen, &mut this.interface);
-        let followed = threads::run(py, || {
+        let rebuilt = threads::attempt(py, || {
             if frozen { interface.update(positions).map(|()| false) } else { interface.follow(positions) }
-        });
-        let rebuilt = followed.map_err(|error| error.raise(py))?;
+        })?;
         this.current = false;
         Ok(rebuilt)
     }
@@ -239,8 +236,7 @@ impl Interface {
         let mut this = exclusive(slf)?;
         this.current = false;
         let interface = &mut this.interface;
-        let evaluated = threads::run(py, || interface.evaluate(mode).map(|_| ()));
-        evaluated.map_err(|error| error.raise(py))?;
+        threads::attempt(py, || interface.evaluate(mode).map(|_| ()))?;
         let this = &mut *this;
         this.cutback.book(this.interface.contacts());
         this.current = true;

@@ -42,14 +42,13 @@ impl Operator {
         let mut product = writable(product)?;
         let product = slice_mut(py, &mut product)?;
         let operator = &mut this.operator;
-        let added = threads::run(py, || {
+        threads::attempt(py, || {
             if is_transposed {
                 operator.add_transposed_product(v, product)
             } else {
                 operator.add_product(v, product)
             }
-        });
-        added.map_err(|error| error.raise(py))
+        })
     }
 
     /// Adds the diagonal of K.
@@ -59,7 +58,7 @@ impl Operator {
         let mut diagonal = writable(diagonal)?;
         let diagonal = slice_mut(py, &mut diagonal)?;
         let operator = &mut this.operator;
-        threads::run(py, || operator.add_diagonal(diagonal)).map_err(|error| error.raise(py))
+        threads::attempt(py, || operator.add_diagonal(diagonal))
     }
 }
 

@@ -80,7 +80,7 @@ impl Interface {
             return Ok(self.pattern.insert(pattern));
         }
         let (contacts, dofs) = (self.contacts(py)?, &self.dofs);
-        let made = threads::run(py, || CsrPattern::union(contacts, dofs)).map_err(|error| error.raise(py))?;
+        let made = threads::attempt(py, || CsrPattern::union(contacts, dofs))?;
         Ok(self.pattern.insert(Pattern::new(py, made)?))
     }
 
@@ -144,14 +144,14 @@ impl Interface {
             ($offsets:expr, $columns:expr) => {{
                 let (offsets, columns) = (readable(&$offsets)?, readable(&$columns)?);
                 let (offsets, columns) = (slice(py, &offsets)?, slice(py, &columns)?);
-                threads::run(py, || CsrMap::within(contacts, dofs, offsets, columns))
+                threads::attempt(py, || CsrMap::within(contacts, dofs, offsets, columns))?
             }};
         }
-        let made = match rows {
+        let map = match rows {
             Rows::Short(offsets, columns) => within!(offsets, columns),
             Rows::Long(offsets, columns) => within!(offsets, columns),
         };
-        Ok(Map { map: made.map_err(|error| error.raise(py))? })
+        Ok(Map { map })
     }
 
     /// Adds the tangent to the values of a matrix of the host.

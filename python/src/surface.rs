@@ -5,7 +5,6 @@ use numpy::{PyArray1, PyArray2};
 use pyo3::prelude::*;
 
 use crate::arrays::{Indices, Numbers, facets, points, readable};
-use crate::errors::Raise;
 use crate::threads;
 
 /// The connectivity of the master facets.
@@ -24,8 +23,8 @@ impl Surface {
     ) -> PyResult<Self> {
         let (positions, corners) = (readable(positions)?, readable(corners)?);
         let (positions, facets) = (points(py, &positions)?, facets(py, &corners)?);
-        let made = threads::run(py, || MasterSurface::new(positions, facets));
-        Ok(Self { surface: made.map_err(|error| error.raise(py))? })
+        let surface = threads::attempt(py, || MasterSurface::new(positions, facets))?;
+        Ok(Self { surface })
     }
 
     /// Number of facets.
@@ -52,8 +51,7 @@ impl Surface {
     ) -> PyResult<Numbers<'py>> {
         let positions = readable(positions)?;
         let positions = points(py, &positions)?;
-        let normals = threads::run(py, || self.surface.node_normals(positions));
-        let normals = normals.map_err(|error| error.raise(py))?;
+        let normals = threads::attempt(py, || self.surface.node_normals(positions))?;
         Ok(PyArray1::from_slice(py, normals.as_flattened()))
     }
 }
@@ -67,6 +65,6 @@ pub fn tributary_areas<'py>(
 ) -> PyResult<Numbers<'py>> {
     let (positions, corners) = (readable(positions)?, readable(corners)?);
     let (positions, facets) = (points(py, &positions)?, facets(py, &corners)?);
-    let areas = threads::run(py, || surface::tributary_areas(positions, &facets));
-    Ok(PyArray1::from_vec(py, areas.map_err(|error| error.raise(py))?))
+    let areas = threads::attempt(py, || surface::tributary_areas(positions, &facets))?;
+    Ok(PyArray1::from_vec(py, areas))
 }

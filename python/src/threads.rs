@@ -3,13 +3,21 @@
 use diffuse_contact::threads::Threads;
 use pyo3::prelude::*;
 
-use crate::errors;
+use crate::errors::{self, Raise};
 
 static THREADS: Threads = Threads::new();
 
 /// Runs work that may be parallel, without the GIL.
 pub fn run<T: Send>(py: Python<'_>, work: impl FnOnce() -> T + Send) -> T {
     py.detach(|| THREADS.run(work))
+}
+
+/// The same for work that may be refused. The exception is made behind it, with the GIL.
+pub fn attempt<T: Send, E: Raise + Send>(
+    py: Python<'_>,
+    work: impl FnOnce() -> Result<T, E> + Send,
+) -> PyResult<T> {
+    run(py, work).map_err(|error| error.raise(py))
 }
 
 /// Sets the number of threads; `None` for the environment variable `RAYON_NUM_THREADS`, or else one per core.

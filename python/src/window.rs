@@ -58,7 +58,7 @@ pub fn extents(
 ) -> PyResult<ExtentsRow> {
     let (positions, corners) = (readable(positions)?, readable(corners)?);
     let (positions, facets) = (points(py, &positions)?, facets(py, &corners)?);
-    let Extents { low, high, facet } = threads::run(py, || {
+    let Extents { low, high, facet } = threads::attempt(py, || {
         let part = PartFacets {
             positions,
             node_numbers: &[],
@@ -69,8 +69,7 @@ pub fn extents(
             extents: Extents::NONE,
         };
         part.own_extents()
-    })
-    .map_err(|error| error.raise(py))?;
+    })?;
     Ok((low, high, facet))
 }
 
@@ -95,8 +94,8 @@ impl Window {
     fn new(py: Python<'_>, integers: &Indices<'_>, reals: &Numbers<'_>) -> PyResult<Self> {
         let (integers, reals) = (readable(integers)?, readable(reals)?);
         let (integers, reals) = (slice(py, &integers)?, slice(py, &reals)?);
-        let made = threads::run(py, || window::Window::from_numbers(integers, reals));
-        Ok(Self { window: made.map_err(|error| error.raise(py))? })
+        let window = threads::attempt(py, || window::Window::from_numbers(integers, reals))?;
+        Ok(Self { window })
     }
 
     /// The window as plain numbers.
@@ -109,8 +108,8 @@ impl Window {
     #[staticmethod]
     fn joined(py: Python<'_>, windows: Vec<PyRef<'_, Self>>) -> PyResult<Self> {
         let windows: Vec<window::Window> = windows.iter().map(|own| own.window.clone()).collect();
-        let made = threads::run(py, || window::Window::joined(&windows));
-        Ok(Self { window: made.map_err(|error| error.raise(py))? })
+        let window = threads::attempt(py, || window::Window::joined(&windows))?;
+        Ok(Self { window })
     }
 
     fn nodes<'py>(&self, py: Python<'py>) -> Indices<'py> {
@@ -180,8 +179,8 @@ impl Part {
         };
         let options = options.interface(py, false)?;
         let planes = planes(py, symmetry)?;
-        let made = threads::run(py, || SurfacePart::new(&part, &options, &planes));
-        Ok(Self { part: made.map_err(|error| error.raise(py))? })
+        let part = threads::attempt(py, || SurfacePart::new(&part, &options, &planes))?;
+        Ok(Self { part })
     }
 
     /// Nodes, factors of their domains, whether these may shrink, facets, what they carry.
@@ -214,7 +213,7 @@ impl Part {
         };
         let others: Vec<PartDemands> = others.iter().map(demands).collect::<PyResult<_>>()?;
         let part = &mut this.part;
-        threads::run(py, || part.settle(&others)).map_err(|error| error.raise(py))
+        threads::attempt(py, || part.settle(&others))
     }
 
     /// What slaves in these boxes can need of the own facets.
@@ -224,8 +223,8 @@ impl Part {
         let (positions, boxes) = (readable(positions)?, readable(boxes)?);
         let (positions, boxes) = (points(py, &positions)?, boxes_of(py, &boxes)?);
         let part = &this.part;
-        let made = threads::run(py, || part.window(positions, &boxes, skin));
-        Ok(Window { window: made.map_err(|error| error.raise(py))? })
+        let window = threads::attempt(py, || part.window(positions, &boxes, skin))?;
+        Ok(Window { window })
     }
 }
 
@@ -255,10 +254,10 @@ impl Interface {
         let slave_facets = slave_facets.unwrap_or_default();
         let dofs = dofs_of(py, equations, positions.len())?;
         let window = &window.window;
-        let made = threads::run(py, || {
+        let interface = threads::attempt(py, || {
             ContactInterface::in_window(window, slaves, &slave_facets, positions, options)
-        });
-        Ok(Self::of(made.map_err(|error| error.raise(py))?, dofs))
+        })?;
+        Ok(Self::of(interface, dofs))
     }
 
     /// What slaves in these boxes can need of the master surface.
@@ -268,8 +267,8 @@ impl Interface {
         let boxes = readable(boxes)?;
         let boxes = boxes_of(py, &boxes)?;
         let interface = &this.interface;
-        let made = threads::run(py, || interface.window(&boxes, skin));
-        Ok(Window { window: made.map_err(|error| error.raise(py))? })
+        let window = threads::attempt(py, || interface.window(&boxes, skin))?;
+        Ok(Window { window })
     }
 
     /// Whether there is a window of the master surface only.

@@ -13,4 +13,5 @@ mod emitted;
 mod formulas;
 mod golden;
 mod operations;
+mod simplified;
 mod witnesses;

@@ -6,12 +6,12 @@ use super::{ExprId, Graph, Op, Scope};
 const MOST_COLLECTED: u8 = 64;
 
 impl Graph {
-    /// c · core, where core has no numerical coefficient.
+    /// c · core, where core has no numerical coefficient, or is a number itself.
     pub(super) fn scaled(&mut self, coefficient: f64, core: ExprId) -> ExprId {
         if coefficient == 0.0 {
             self.zero()
-        } else if self.is_one(core) {
-            self.constant(coefficient)
+        } else if let Some(value) = self.constant_value(core) {
+            self.constant(coefficient * value)
         } else if coefficient == 1.0 {
             core
         } else if coefficient == -1.0 {

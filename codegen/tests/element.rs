@@ -8,7 +8,9 @@ use diffuse_contact_codegen::expr::{Expr, Mat3, Matrix, Vec2, Vec3, Vector, tota
 use diffuse_contact_codegen::graph::{ExprId, Limits, Scope};
 use diffuse_contact_codegen::interpret::{Interpreter, NodeInputs, element_derivatives, element_results};
 use diffuse_contact_codegen::model::Input;
-use diffuse_contact_codegen::{Config, ConfigError, ElementError, ElementKernels, ElementModel, Mode};
+use diffuse_contact_codegen::{
+    Config, ConfigError, ElementError, ElementKernels, ElementModel, Mode, Polynomial,
+};
 use num_dual::{DualNum as _, HyperDual};
 
 use crate::witnesses::{Number, by_hyper_dual, difference, numbers, spring, sum, tet4};
@@ -438,12 +440,27 @@ fn formulas_that_are_never_finite_are_refused() {
         let Err(ConfigError::Element { source, .. }) = found else { panic!("formula {k}") };
         assert_eq!(source, ElementError::NeverFinite { output: "energy".into() }, "{k}");
     }
+    for coefficients in [vec![1.0, f64::NAN, 2.0], vec![1.0, f64::INFINITY]] {
+        let polynomial = Polynomial::new(coefficients);
+        let found =
+            Config::new().element("a", |m| m.energy(m.variable::<Expr<'_>>("x").polynomial(polynomial)));
+        assert!(found.is_err());
+    }
     // A choice and its condition may begin at infinity.
     let found = Config::new().element("a", |m| {
         let x: Expr<'_> = m.variable("x");
         m.energy(x.less(f64::INFINITY).select(x * x, f64::INFINITY));
     });
     assert!(found.is_ok());
+}
+
+/// The exponent of the derivative is no 32-bit number.
+#[test]
+fn the_least_power_has_a_derivative() {
+    let element = kernels(|m| m.energy(m.variable::<Expr<'_>>("x").powi(i32::MIN)));
+    let results = element_results(element.kernels.last().unwrap(), &[&[-1.0]], &[]);
+    let of = |name: &str| results.iter().find(|(found, _)| found == name).unwrap().1[0];
+    assert_eq!((of("energy"), of("gradient")), (1.0, 2.0_f64.powi(31)));
 }
 
 /// A name in the formulas need not be one in the code.

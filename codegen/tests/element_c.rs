@@ -319,15 +319,16 @@ fn names_in_c_are_those_of_the_formulas() {
 #[test]
 fn headers_are_those_of_cpp_too() {
     let formulas = |m: &ElementModel<'_>| {
-        let [new, null] = m.parameters(["new", "NULL"]);
+        let [new, null, errno] = m.parameters(["new", "NULL", "errno"]);
         let x: Expr<'_> = m.variable("x");
         let root = m.root("template", |u: Vector<'_, 1>| u * u[0] - Vector([x * x + new]));
-        m.energy(null * x * x * root.unknowns[0]);
+        m.energy(errno * null * x * x * root.unknowns[0]);
     };
     let config = Config::new().element("spring", formulas).unwrap().element("fitted", fitted).unwrap();
     let folder = std::path::Path::new(env!("CARGO_TARGET_TMPDIR")).join("cpp");
     std::fs::create_dir_all(&folder).unwrap();
-    let program = "#define restrict mine\n#include \"elements.h\"\n#include \"elements.h\"\n";
+    let program =
+        "#include <errno.h>\n#define restrict mine\n#include \"elements.h\"\n#include \"elements.h\"\n";
     for (name, text) in [("elements.h", config.c_source().unwrap()), ("main.cpp", program.to_owned())] {
         std::fs::write(folder.join(name), text).unwrap();
     }

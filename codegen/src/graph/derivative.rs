@@ -278,7 +278,14 @@ impl Graph {
         let (lowered, inner) = if !components.is_empty() && exponent >= 2 {
             (self.power(base, exponent - 2), self.differentiate_half_square(&components, symbol))
         } else {
-            (self.power(base, exponent - 1), self.derivative(base, symbol))
+            let lowered = match exponent.checked_sub(1) {
+                Some(lower) => self.power(base, lower),
+                None => {
+                    let whole = self.power(base, exponent);
+                    self.div(whole, base)
+                }
+            };
+            (lowered, self.derivative(base, symbol))
         };
         let outer = self.mul(k, lowered);
         self.mul(outer, inner)

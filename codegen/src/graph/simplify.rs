@@ -2,8 +2,8 @@
 //!
 //! Each rule is one function with the rule as its comment and one unit test. Nothing is expanded, and no factor is cancelled from a
 //! quotient. Products and sums may be put into another order where that removes work: of sums whose terms cancel, other digits are lost then.
-//! A named product or a definition keeps its own order. But for that a result is at least as accurate as what it replaces, for every finite
-//! operand.
+//! A named product or a definition keeps its own order. But for that a result is at least as accurate as what it replaces, wherever no
+//! product on the way overflows or underflows: numbers are multiplied with one another first.
 
 use super::{ExprId, Function, Graph, Op, Scope};
 

@@ -379,6 +379,9 @@ fn is_never_finite(graph: &Graph, expr: ExprId, output: ExprId) -> bool {
         Op::Select { .. } | Op::Atan2(..) => false,
         Op::Div(x, y) => is_infinite(x) || constant(y) == Some(0.0),
         Op::Sqrt(x) => constant(x).is_some_and(|x| !x.sqrt().is_finite()),
+        Op::Polynomial(_, polynomial) => {
+            !graph.polynomial_data(polynomial).coefficients().iter().all(|c| c.is_finite())
+        }
         Op::RealPower(x, y) => constant(x).zip(constant(y)).is_some_and(|(x, y)| !x.powf(y).is_finite()),
         _ => graph.operands(expr).into_iter().any(is_infinite),
     }

@@ -13,8 +13,9 @@ use crate::structure::{Implicit, Jacobian, sums_in};
 pub struct Root<'g, const N: usize> {
     /// The unknowns.
     pub unknowns: Vector<'g, N>,
-    /// Largest residual relative to the starting one or to the unknowns, whichever is larger; below 10⁻¹², or there is no root near
-    /// the start. It is infinite, and no NaN, where the Jacobian is singular or an equation is no number.
+    /// Largest residual, or 10⁻⁶ of the last step, over the largest starting residual or unknown, whichever is larger; below 10⁻¹², or
+    /// there is no root near the start. So equations and unknowns have to share a scale. It is infinite, and no NaN, where the Jacobian is
+    /// singular or an equation is no number.
     pub residual: Expr<'g>,
     /// Evaluations of the equations.
     pub iterations: Expr<'g>,
@@ -131,7 +132,7 @@ impl<'g> ElementModel<'g> {
     }
 
     /// Unknowns u of linear equations A u = b, one to eight, without symmetry. Pivots are searched for in the kernel, in each lane by
-    /// itself. [`Root::residual`] stays above 10⁻¹² where A is singular.
+    /// itself. [`Root::residual`] is above 10⁻¹², mostly infinite, where A is singular, unless rounding leaves it a pivot: unknowns of 10¹⁵ are none.
     #[must_use]
     pub fn solve<const N: usize>(
         &self,

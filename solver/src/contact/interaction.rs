@@ -12,7 +12,6 @@ use diffuse_contact::{Mode, Point};
 
 use super::face_pass::FacePass;
 use super::fallbacks::Fallbacks;
-use super::friction::FrictionHistory;
 use super::losses::is_failure;
 use super::node_pass::NodePass;
 use super::pass::{Bodies, Nearest, NodalForces, Pass, PassError};
@@ -245,21 +244,6 @@ impl Interaction {
         self.each(|pass| pass.evaluate(positions, mode))
     }
 
-    pub(super) fn add_internal_forces(&mut self, forces: &mut [f64]) -> Result<usize, ContactError> {
-        let mut active = 0;
-        self.each(|pass| pass.add_internal_forces(forces).map(|count| active += count))?;
-        Ok(active)
-    }
-
-    pub(super) fn add_held_forces(&self, forces: &mut [f64]) {
-        self.passes.iter().for_each(|pass| pass.add_held_forces(forces));
-    }
-
-    /// Takes the slaves' feet for their anchors, if there is friction without a history.
-    pub(super) fn begin_friction(&mut self) -> Result<(), ContactError> {
-        self.each(|pass| pass.begin_friction())
-    }
-
     /// Accepts the last evaluation as the end of an increment; what friction did in it.
     pub(super) fn accept(&mut self) -> Result<Option<FrictionReport>, ContactError> {
         let mut sum = self.options.friction.as_ref().map(|_| FrictionReport::default());
@@ -273,36 +257,9 @@ impl Interaction {
         Ok(sum)
     }
 
-    pub(super) fn leave_out_friction(&mut self, is_left_out: bool) {
-        self.passes.iter_mut().for_each(|pass| pass.leave_out_friction(is_left_out));
-    }
-
-    pub(super) fn friction_history(&self) -> impl Iterator<Item = FrictionHistory> {
-        self.passes.iter().map(|pass| pass.friction_history())
-    }
-
-    pub(super) fn set_friction_history(&mut self, history: &[FrictionHistory]) -> Result<(), ContactError> {
-        let mut own = history.iter();
-        self.each(|pass| own.next().map_or(Ok(()), |own| pass.set_friction_history(own)))
-    }
-
-    /// Goes back to the start of the last increment; whether any pass had one.
-    pub(super) fn look_back(&mut self, history: &[FrictionHistory]) -> Result<bool, ContactError> {
-        let (mut own, mut any) = (history.iter(), false);
-        self.each(|pass| {
-            any |= own.next().map_or(Ok(false), |own| pass.look_back(own))?;
-            Ok(())
-        })?;
-        Ok(any)
-    }
-
     /// Work of friction so far, energy.
     pub fn dissipated(&self) -> f64 {
         self.passes.iter().map(|pass| pass.dissipated()).sum()
-    }
-
-    pub(super) fn cliques(&self) -> impl Iterator<Item = Vec<usize>> {
-        self.passes.iter().flat_map(|pass| pass.cliques())
     }
 
     /// From here on ε N Nᵀ alone is assembled.
@@ -376,26 +333,6 @@ impl Interaction {
         moved.map(error).fold(0.0, f64::max)
     }
 
-    pub(super) fn hold(&mut self, held: &[bool]) {
-        self.passes.iter_mut().for_each(|pass| pass.hold(held));
-    }
-
-    pub(super) fn loaded(&self) -> impl Iterator<Item = Vec<u32>> {
-        self.passes.iter().map(|pass| pass.loaded())
-    }
-
-    pub(super) fn begin(&mut self, loaded: &[Vec<u32>]) -> Result<(), ContactError> {
-        self.passes.iter_mut().zip(loaded).try_for_each(|(pass, own)| pass.begin(own))
-    }
-
-    pub(super) fn note(&mut self) {
-        self.passes.iter_mut().for_each(|pass| pass.note());
-    }
-
-    pub(super) fn excuse(&mut self) {
-        self.passes.iter_mut().for_each(|pass| pass.excuse());
-    }
-
     /// The slaves that carried force since the beginning of the increment, or at it, and have no contact although they have not left
     /// the master.
     pub fn lost(&self, way: Way<'_>) -> impl Iterator<Item = LostContact> {
@@ -419,10 +356,6 @@ impl Interaction {
         self.passes.iter().map(|pass| pass.straight()).sum()
     }
 
-    pub(super) fn missed(&self) -> usize {
-        self.passes.iter().map(|pass| pass.missed()).sum()
-    }
-
     pub(super) fn augment(&mut self, round: usize) -> Result<(), ContactError> {
         let goes_on = |augmentation: Augmentation| round < augmentation.max_rounds;
         // With the multipliers of the equilibrium: before they are updated.
@@ -433,15 +366,6 @@ impl Interaction {
             self.passes.iter_mut().for_each(|pass| pass.augment());
         }
         Ok(())
-    }
-
-    pub(super) fn lasts(&mut self, duration: f64) {
-        self.passes.iter_mut().for_each(|pass| pass.lasts(duration));
-    }
-
-    /// Lowers `least` to the least gap of open slaves, by the bodies that they are on or face.
-    pub(super) fn lower(&self, bodies: &Bodies, least: &mut BTreeMap<usize, f64>) {
-        self.passes.iter().for_each(|pass| pass.lower(bodies, least));
     }
 
     /// From here on the open slaves of these bodies that are nearest to the master push with ε g; `least` are the least gaps of the bodies.
@@ -463,32 +387,11 @@ impl Interaction {
         }
     }
 
-    /// From here on with this part of the normal penalty; the next evaluation sees it.
-    pub(super) fn soften(&mut self, softness: f64) {
-        self.passes.iter_mut().for_each(|pass| pass.state_mut().softness = softness);
-    }
-
     /// Ends what [`suppose`](Self::suppose) began.
     pub(super) fn recall(&mut self) {
         for (pass, before) in self.passes.iter_mut().zip(self.before.drain(..)) {
             pass.state_mut().multipliers = before;
         }
-    }
-
-    pub(super) fn pass_count(&self) -> usize {
-        self.passes.len()
-    }
-
-    pub(super) fn multipliers(&self) -> impl Iterator<Item = Vec<f64>> {
-        self.passes.iter().map(|pass| pass.state().multipliers.clone())
-    }
-
-    pub(super) fn set_multipliers(&mut self, multipliers: &[Vec<f64>]) -> Result<(), ContactError> {
-        self.passes.iter_mut().zip(multipliers).try_for_each(|(pass, own)| pass.set_multipliers(own))
-    }
-
-    pub(super) fn take_grown(&mut self) -> bool {
-        self.passes.iter_mut().fold(false, |any, pass| pass.take_grown() | any)
     }
 
     /// Deepest penetration at the last evaluation, length, whether it carries force or not; 0 without any. Where slave and masters
@@ -500,6 +403,10 @@ impl Interaction {
 
     pub(super) fn passes(&self) -> impl Iterator<Item = &dyn Pass> {
         self.passes.iter().map(AsRef::as_ref)
+    }
+
+    pub(super) fn passes_mut(&mut self) -> &mut [Box<dyn Pass>] {
+        &mut self.passes
     }
 
     /// Facets of both sides.
@@ -545,7 +452,7 @@ impl Interaction {
     }
 
     /// Does the same with each pass; an error gets the interaction's name.
-    fn each(
+    pub(super) fn each(
         &mut self,
         mut step: impl FnMut(&mut dyn Pass) -> Result<(), PassError>,
     ) -> Result<(), ContactError> {

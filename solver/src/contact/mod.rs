@@ -36,6 +36,7 @@ pub use options::{
 };
 pub use pass::NodalForces;
 pub(crate) use pass::{Bodies, Nearest};
+use pass::{Pass, PassError};
 pub use penetration::Penetration;
 pub use resultant::Resultant;
 pub use tracks::Way;
@@ -82,7 +83,7 @@ impl ContactSet {
 
     /// Tells which nodes have all axes prescribed, one entry per node of the problem.
     pub fn hold(&mut self, held: &[bool]) {
-        self.interactions.iter_mut().for_each(|interaction| interaction.hold(held));
+        self.passes_mut().for_each(|pass| pass.hold(held));
     }
 
     /// Evaluates all contacts at these positions, those that carry force with their derivatives as far as `mode` asks and their
@@ -101,21 +102,19 @@ impl ContactSet {
     /// [`ContactError::Assembly`].
     pub fn add_internal_forces(&mut self, forces: &mut [f64]) -> Result<usize, ContactError> {
         let mut active = 0;
-        for interaction in &mut self.interactions {
-            active += interaction.add_internal_forces(forces)?;
-        }
+        self.each(|pass| pass.add_internal_forces(forces).map(|count| active += count))?;
         Ok(active)
     }
 
     /// The part of what [`add_internal_forces`](Self::add_internal_forces) subtracts that moves nothing: slave and masters have all axes
     /// prescribed. Over faces that on nodes without any other contact.
     pub(crate) fn add_held_forces(&self, forces: &mut [f64]) {
-        self.interactions.iter().for_each(|interaction| interaction.add_held_forces(forces));
+        self.passes().for_each(|pass| pass.add_held_forces(forces));
     }
 
     /// The nodes that each slave couples that was paired at the last evaluation, for the pattern of the stiffness.
     pub fn cliques(&self) -> impl Iterator<Item = Vec<usize>> {
-        self.interactions.iter().flat_map(Interaction::cliques)
+        self.passes().flat_map(|pass| pass.cliques())
     }
 
     /// From here on tangents are ε N Nᵀ in [`add_tangent`](Self::add_tangent), and the rest is an [`operator`](Self::operator).
@@ -177,7 +176,7 @@ impl ContactSet {
         nearest: Nearest,
     ) -> Result<(), ContactError> {
         let mut least = BTreeMap::new();
-        self.interactions.iter().for_each(|interaction| interaction.lower(bodies, &mut least));
+        self.passes().for_each(|pass| pass.lower(bodies, &mut least));
         self.interactions.iter_mut().for_each(|interaction| interaction.suppose(bodies, nearest, &least));
         self.evaluate(positions, Mode::Hessian)
     }
@@ -193,7 +192,7 @@ impl ContactSet {
 
     /// From here on with this part of all normal penalties; the next evaluation sees it.
     pub(crate) fn soften(&mut self, softness: f64) {
-        self.interactions.iter_mut().for_each(|interaction| interaction.soften(softness));
+        self.passes_mut().for_each(|pass| pass.state_mut().softness = softness);
     }
 
     /// Whether there are any interactions.
@@ -203,7 +202,7 @@ impl ContactSet {
 
     /// From here on without any friction, or with it again; the next evaluation sees it.
     pub(crate) fn leave_out_friction(&mut self, is_left_out: bool) {
-        self.interactions.iter_mut().for_each(|interaction| interaction.leave_out_friction(is_left_out));
+        self.passes_mut().for_each(|pass| pass.leave_out_friction(is_left_out));
     }
 
     /// Whether any interaction has friction.
@@ -217,7 +216,7 @@ impl ContactSet {
     /// # Errors
     /// [`ContactError::Interface`].
     pub fn begin_friction(&mut self) -> Result<(), ContactError> {
-        self.interactions.iter_mut().try_for_each(Interaction::begin_friction)
+        self.each(|pass| pass.begin_friction())
     }
 
     /// Accepts the last evaluation as the end of an increment; what friction did in each interaction that has any.
@@ -230,7 +229,7 @@ impl ContactSet {
 
     /// The history of friction of all passes, for a restart.
     pub fn friction_history(&self) -> Vec<FrictionHistory> {
-        self.interactions.iter().flat_map(Interaction::friction_history).collect()
+        self.passes().map(|pass| pass.friction_history()).collect()
     }
 
     /// Goes on from a history as [`friction_history`](Self::friction_history) gave it.
@@ -238,7 +237,9 @@ impl ContactSet {
     /// # Errors
     /// [`ContactError::OtherPasses`] and [`ContactError::Interface`] if it belongs to other interactions.
     pub fn set_friction_history(&mut self, history: &[FrictionHistory]) -> Result<(), ContactError> {
-        self.for_each_with("histories of friction", history, Interaction::set_friction_history)
+        self.check_count("histories of friction", history.len())?;
+        let mut own = history.iter();
+        self.each(|pass| own.next().map_or(Ok(()), |own| pass.set_friction_history(own)))
     }
 
     /// Measures friction as in the increment that led to this history, so that slaves that slid at its end slide on; whether there was
@@ -247,13 +248,11 @@ impl ContactSet {
     /// # Errors
     /// As [`set_friction_history`](Self::set_friction_history).
     pub(crate) fn look_back(&mut self, history: &[FrictionHistory]) -> Result<bool, ContactError> {
-        let mut any = false;
-        let mut rest = history;
-        for interaction in &mut self.interactions {
-            let (own, others) = rest.split_at(interaction.pass_count());
-            any |= interaction.look_back(own)?;
-            rest = others;
-        }
+        let (mut own, mut any) = (history.iter(), false);
+        self.each(|pass| {
+            any |= own.next().map_or(Ok(false), |own| pass.look_back(own))?;
+            Ok(())
+        })?;
         Ok(any)
     }
 
@@ -276,12 +275,12 @@ impl ContactSet {
 
     /// Tells how long the increment lasts that is to be solved: slip rates are by this time.
     pub fn lasts(&mut self, duration: f64) {
-        self.interactions.iter_mut().for_each(|interaction| interaction.lasts(duration));
+        self.passes_mut().for_each(|pass| pass.lasts(duration));
     }
 
     /// The slaves of each pass that carry force, by their places in it: like the multipliers a part of the history.
     pub fn loaded(&self) -> Vec<Vec<u32>> {
-        self.interactions.iter().flat_map(Interaction::loaded).collect()
+        self.passes().map(|pass| pass.loaded()).collect()
     }
 
     /// Begins an increment from where [`loaded`](Self::loaded) gave this: [`lost`](Self::lost) are then those of the increment.
@@ -289,18 +288,19 @@ impl ContactSet {
     /// # Errors
     /// [`ContactError::OtherPasses`] if they belong to other interactions.
     pub fn begin(&mut self, loaded: &[Vec<u32>]) -> Result<(), ContactError> {
-        self.for_each_with("loaded slaves", loaded, Interaction::begin)
+        self.check_count("loaded slaves", loaded.len())?;
+        self.passes_mut().zip(loaded).try_for_each(|(pass, own)| pass.begin(own))
     }
 
     /// Notes which contacts carry force at the last evaluation.
     pub fn note(&mut self) {
-        self.interactions.iter_mut().for_each(Interaction::note);
+        self.passes_mut().for_each(|pass| pass.note());
     }
 
     /// Excuses the slaves without an element at the last evaluation, one at the beginning of the increment, and remembers what faces lie
     /// over there.
     pub fn excuse(&mut self) {
-        self.interactions.iter_mut().for_each(Interaction::excuse);
+        self.passes_mut().for_each(|pass| pass.excuse());
     }
 
     /// The slaves that have no contact at the last evaluation although they carried force in the increment or right before it and have not
@@ -348,12 +348,12 @@ impl ContactSet {
     /// Integration points of loaded faces that carry no force at the last evaluation although they have a gap: their line of force
     /// meets no place of the facet over them.
     pub fn missed(&self) -> usize {
-        self.interactions.iter().map(Interaction::missed).sum()
+        self.passes().map(|pass| pass.missed()).sum()
     }
 
     /// The multipliers of all interactions, for a restart.
     pub fn multipliers(&self) -> Vec<Vec<f64>> {
-        self.interactions.iter().flat_map(Interaction::multipliers).collect()
+        self.passes().map(|pass| pass.state().multipliers.clone()).collect()
     }
 
     /// Takes over multipliers as [`multipliers`](Self::multipliers) gave them.
@@ -361,37 +361,40 @@ impl ContactSet {
     /// # Errors
     /// [`ContactError::OtherPasses`] if they belong to other interactions.
     pub fn set_multipliers(&mut self, multipliers: &[Vec<f64>]) -> Result<(), ContactError> {
-        self.for_each_with("multipliers", multipliers, Interaction::set_multipliers)
+        self.check_count("multipliers", multipliers.len())?;
+        self.passes_mut().zip(multipliers).try_for_each(|(pass, own)| pass.set_multipliers(own))
     }
 
     /// Whether nodes couple that did not when this was asked last: the stiffness then needs another pattern.
     pub fn take_grown(&mut self) -> bool {
-        self.interactions.iter_mut().fold(false, |any, interaction| interaction.take_grown() | any)
+        self.passes_mut().fold(false, |any, pass| pass.take_grown() | any)
     }
 
     /// Passes of all interactions.
     pub fn pass_count(&self) -> usize {
-        self.interactions.iter().map(Interaction::pass_count).sum()
+        self.passes().count()
     }
 
-    /// Hands each interaction what belongs to its passes.
-    fn for_each_with<T>(
+    /// Refuses a history with other than one entry for each pass.
+    fn check_count(&self, what: &'static str, found: usize) -> Result<(), ContactError> {
+        let expected = self.pass_count();
+        if found == expected { Ok(()) } else { Err(ContactError::OtherPasses { what, found, expected }) }
+    }
+
+    fn passes(&self) -> impl Iterator<Item = &dyn Pass> {
+        self.interactions.iter().flat_map(Interaction::passes)
+    }
+
+    fn passes_mut(&mut self) -> impl Iterator<Item = &mut Box<dyn Pass>> {
+        self.interactions.iter_mut().flat_map(Interaction::passes_mut)
+    }
+
+    /// Does the same with each pass; an error gets the interaction's name.
+    fn each(
         &mut self,
-        what: &'static str,
-        of_passes: &[T],
-        set: impl Fn(&mut Interaction, &[T]) -> Result<(), ContactError>,
+        mut step: impl FnMut(&mut dyn Pass) -> Result<(), PassError>,
     ) -> Result<(), ContactError> {
-        let (found, expected) = (of_passes.len(), self.pass_count());
-        if found != expected {
-            return Err(ContactError::OtherPasses { what, found, expected });
-        }
-        let mut rest = of_passes;
-        for interaction in &mut self.interactions {
-            let (own, others) = rest.split_at(interaction.pass_count());
-            set(interaction, own)?;
-            rest = others;
-        }
-        Ok(())
+        self.interactions.iter_mut().try_for_each(|interaction| interaction.each(&mut step))
     }
 
     /// What each interaction exerts in all.

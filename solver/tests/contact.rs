@@ -374,8 +374,7 @@ fn a_slave_that_went_through_is_lost_and_a_force_that_vanishes_is_named() {
             set.refresh(RefreshRule::Increment, &to).unwrap();
             assert_eq!(forces(&mut set, &to, Mode::Gradient).1, 0, "{by:?}");
             let way = Way { from: &nodes, to: &to };
-            let vanished: Vec<(String, usize)> =
-                set.vanished(way).map(|(name, slaves)| (name.to_owned(), slaves)).collect();
+            let vanished: Vec<_> = set.vanished(way).collect();
             (set.lost(way).map(|(_, lost)| lost).collect::<Vec<_>>(), vanished)
         };
         let named = vec![("bed".to_owned(), loaded[0].len())];

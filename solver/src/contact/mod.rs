@@ -315,34 +315,31 @@ impl ContactSet {
 
     /// Names of the interactions with slaves that carried force in the increment or right before it and are beyond the master's border at
     /// the last evaluation, and how many these are.
-    pub fn left(&self) -> impl Iterator<Item = (&str, usize)> {
-        let all = self.interactions.iter();
-        all.map(|interaction| (interaction.options().name.as_str(), interaction.left()))
-            .filter(|&(_, count)| count > 0)
+    pub fn left(&self) -> impl Iterator<Item = (String, usize)> {
+        self.named(Interaction::left).filter(|&(_, count)| count > 0)
     }
 
     /// Names of the interactions that carried force when the increment began and carry none at the last evaluation although slaves that
     /// carried it have not risen from their masters, and how many these are. They went through them, beyond their borders, or have elements
     /// without a result.
-    pub fn vanished(&self, way: Way<'_>) -> impl Iterator<Item = (&str, usize)> {
-        let counted = self
-            .interactions
-            .iter()
-            .map(move |interaction| (interaction.options().name.as_str(), interaction.vanished(way)));
-        counted.filter(|&(_, count)| count > 0)
+    pub fn vanished(&self, way: Way<'_>) -> impl Iterator<Item = (String, usize)> {
+        self.named(move |own| own.vanished(way)).filter(|&(_, count)| count > 0)
     }
 
     /// Names of the interactions with slaves whose masters do not carry the fit that was asked for, at the last evaluation.
     pub fn fallbacks(&self) -> impl Iterator<Item = (String, Fallbacks)> {
-        let counted = |own: &Interaction| (own.options().name.clone(), own.fallbacks());
-        self.interactions.iter().map(counted).filter(|(_, fallbacks)| !fallbacks.is_none())
+        self.named(Interaction::fallbacks).filter(|(_, fallbacks)| !fallbacks.is_none())
     }
 
     /// Names of the interfaces with slaves that lie deep below their masters, beside the size of their facets or the longest way of a node,
     /// at the last evaluation.
     pub fn penetrations(&self, longest: f64) -> impl Iterator<Item = (String, Penetration)> {
-        let counted = move |own: &Interaction| (own.options().name.clone(), own.penetration(longest));
-        self.interactions.iter().map(counted).filter(|(_, found)| !found.is_none())
+        self.named(move |own| own.penetration(longest)).filter(|(_, found)| !found.is_none())
+    }
+
+    /// What is found of each interaction, with its name.
+    fn named<T>(&self, find: impl Fn(&Interaction) -> T) -> impl Iterator<Item = (String, T)> {
+        self.interactions.iter().map(move |own| (own.options().name.clone(), find(own)))
     }
 
     /// Integration points of loaded faces that carry no force at the last evaluation although they have a gap: their line of force

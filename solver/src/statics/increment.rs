@@ -184,7 +184,7 @@ impl<'a> Increment<'a> {
                 newton.max_iterations,
             ) {
                 let residual = (balance.residual / balance.scale).max(of_parts);
-                let left = self.over_border();
+                let left = self.problem.contacts().left().collect();
                 let (iterations, stabilised) = (self.iterations, self.problem.stabilised);
                 return Err(Failure::Iterations { residual, iterations, stabilised, left });
             } else {
@@ -210,15 +210,11 @@ impl<'a> Increment<'a> {
         }
         if self.cycle.is_known {
             let residual = balance.residual / balance.scale;
-            return Err(Failure::Cycle { residual, iteration: self.iterations, left: self.over_border() });
+            let left = self.problem.contacts().left().collect();
+            return Err(Failure::Cycle { residual, iteration: self.iterations, left });
         }
         self.cycle = Cycle { begin: self.history.len() - 1, halves: true, is_known: true };
         Ok(())
-    }
-
-    /// Interfaces whose slaves left the master over its border, with how many these are.
-    fn over_border(&self) -> Vec<(String, usize)> {
-        self.problem.contacts().left().map(|(name, count)| (name.to_owned(), count)).collect()
     }
 
     /// From the committed positions to those of the moment.
@@ -519,7 +515,6 @@ impl<'a> Increment<'a> {
             friction: problem.contacts().friction_history(),
         };
         let way = Way { from: &committed.positions, to: &state.positions };
-        let named = |(interface, slaves): (&str, usize)| (interface.to_owned(), slaves);
         let imbalance: Vec<f64> = problem.imbalance().collect();
         let groups = 0..problem.supports().groups().len();
         let record = IncrementRecord {
@@ -533,7 +528,7 @@ impl<'a> Increment<'a> {
             is_short: rounds.is_short,
             active: problem.active(),
             lost: problem.contacts().lost(way).count(),
-            vanished: problem.contacts().vanished(way).map(named).collect(),
+            vanished: problem.contacts().vanished(way).collect(),
             fallbacks: problem.contacts().fallbacks().collect(),
             penetrations: problem.contacts().penetrations(problem.largest_motion(&state.positions)).collect(),
             missed: problem.contacts().missed(),

@@ -1,14 +1,16 @@
 //! Writes every increment as it converges.
 
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeMap;
 use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
 use super::directory::Directory;
 use super::failed::FailedTry;
 use super::saved::{Saved, instructions};
-use super::{Fields, OutputError, Skin, SkinFrame, SlaveFields, Summary, history, names, picture, points};
-use crate::contact::{Beginning, Fallbacks, Penetration};
+use super::{
+    Fields, OutputError, Skin, SkinFrame, SlaveFields, Summary, history, names, picture, points, seal,
+};
+use crate::contact::{Beginning, Fallbacks};
 use crate::deck::{Colour, Output};
 use crate::model::Model;
 use crate::report::{SURFACES, SurfaceSample};
@@ -93,7 +95,6 @@ pub struct Recorder<'a> {
     pub(super) directory: Directory,
     pub(super) options: RecorderOptions,
     model: &'a Model,
-    pub(super) fingerprint: String,
     skin: Skin,
     /// Number and time of each increment with a picture.
     series: Vec<(usize, f64)>,
@@ -105,8 +106,6 @@ pub struct Recorder<'a> {
     max_penetration_ever: f64,
     /// Sums of the columns of [`SUMS`].
     sums: [usize; SUMS.len()],
-    /// How the interfaces lay at the start.
-    pub(super) beginnings: Vec<Beginning>,
     /// The last try, if it failed.
     failed: Option<FailedTry>,
     /// The first picture without stresses, and why; of this run.
@@ -116,18 +115,8 @@ pub struct Recorder<'a> {
     timing: Timing,
     /// The most memory of an iterative linear solution of this run, bytes.
     linear_bytes: usize,
-    /// The last state that is on disk.
-    pub(super) state: State,
-    /// For the picture of the last increment, if it was not its turn.
-    pub(super) pending: Option<SlaveFields>,
-    /// Names of the interfaces that carried force at the end of some increment.
-    pub(super) carried: BTreeSet<String>,
-    /// Interfaces whose force vanished under load, with the time of the first such increment.
-    pub(super) vanished: BTreeMap<String, f64>,
-    /// Of each interface the most slaves at the end of an increment whose masters do not carry the fit that was asked for.
-    pub(super) fallbacks: BTreeMap<String, Fallbacks>,
-    /// Of each interface the most slaves deep below their masters at the end of an increment, and how deep.
-    pub(super) penetrations: BTreeMap<String, Penetration>,
+    /// What is on disk of the last increment, and what a restart needs of those before it.
+    pub(super) saved: Saved,
     watcher: &'a mut dyn Watcher,
 }
 
@@ -146,18 +135,19 @@ impl<'a> Recorder<'a> {
     ) -> Result<Self, OutputError> {
         let directory = Directory::new(&options.directory);
         directory.prepare(&options.deck, overwrite)?;
-        let mut recorder = Self::new(directory, options, model, problem.start(), watcher);
-        let Self { directory, options, state, skin, .. } = &recorder;
+        let saved = Saved::new(&options.deck, model, problem.start());
+        let mut recorder = Self::new(directory, options, model, saved, watcher);
+        let Self { directory, options, saved, skin, .. } = &recorder;
         directory.write(names::DECK, |writer| writer.write_all(options.deck.as_bytes()))?;
         directory.write(names::HISTORY, |writer| writeln!(writer, "{}", history::header(problem)))?;
         directory.write(names::ITERATIONS, |writer| writeln!(writer, "{}", history::ITERATION_COLUMNS))?;
         directory.write_json(&format!("{}/{SKIN}", names::SKINS), skin)?;
-        let fields = Fields::of(problem, state);
+        let fields = Fields::of(problem, &saved.state);
         recorder.show(fields, problem)?;
         let interactions = problem.contacts().interactions().iter();
-        recorder.beginnings = interactions.map(|own| Beginning::of(own, model, problem)).collect();
+        recorder.saved.beginnings = interactions.map(|own| Beginning::of(own, model, problem)).collect();
         recorder.write_state()?;
-        recorder.watcher.start(&recorder.beginnings);
+        recorder.watcher.start(&recorder.saved.beginnings);
         Ok(recorder)
     }
 
@@ -173,31 +163,22 @@ impl<'a> Recorder<'a> {
     pub fn reopen(
         options: RecorderOptions,
         model: &'a Model,
-        saved: Saved,
+        mut saved: Saved,
         watcher: &'a mut dyn Watcher,
     ) -> Result<Self, OutputError> {
-        let Saved {
-            state,
-            pending,
-            carried,
-            vanished,
-            fallbacks,
-            penetrations,
-            instructions: before,
-            beginnings,
-            ..
-        } = saved;
-        if !before.is_empty() && before != instructions() {
-            watcher.other_instructions(&before, instructions());
+        if !saved.instructions.is_empty() && saved.instructions != instructions() {
+            watcher.other_instructions(&saved.instructions, instructions());
         }
+        // An earlier version did not write them.
+        (saved.deck, saved.instructions) = (Some(seal::digest(&options.deck)), instructions().to_owned());
         let directory = Directory::new(&options.directory);
         directory.clean()?;
         // What was written after this state is taken back.
         for table in TABLES {
-            let kept = history::up_to(&directory.path(table), state.increments)?;
+            let kept = history::up_to(&directory.path(table), saved.state.increments)?;
             directory.write(table, |writer| writer.write_all(kept.as_bytes()))?;
         }
-        directory.rewind(state.increments, options.output.every)?;
+        directory.rewind(saved.state.increments, options.output.every)?;
         let history = super::read_history(&directory.path(names::HISTORY))?;
         let times = history.rows.iter().map(|row| (row.increment, history.value(row, "time")));
         let times: Vec<(usize, f64)> = std::iter::once((0, 0.0)).chain(times).collect();
@@ -205,12 +186,9 @@ impl<'a> Recorder<'a> {
             times.iter().copied().filter(|&(number, _)| directory.path(&name(number)).exists()).collect()
         };
         let (series, point_series) = (with_file(picture::name), with_file(points::name));
-        let mut recorder = Self::new(directory, options, model, state, watcher);
+        let mut recorder = Self::new(directory, options, model, saved, watcher);
         (recorder.series, recorder.point_series) = (series, point_series);
-        (recorder.pending, recorder.carried) = (pending, carried);
-        (recorder.vanished, recorder.fallbacks, recorder.beginnings) = (vanished, fallbacks, beginnings);
-        recorder.penetrations = penetrations;
-        recorder.watcher.resume(&recorder.beginnings, &recorder.fallbacks);
+        recorder.watcher.resume(&recorder.saved.beginnings, &recorder.saved.fallbacks);
         picture::write_series(&recorder.directory, &recorder.series)?;
         if recorder.directory.path(names::POINTS).exists() {
             recorder.write_point_series()?;
@@ -230,14 +208,13 @@ impl<'a> Recorder<'a> {
         directory: Directory,
         options: RecorderOptions,
         model: &'a Model,
-        state: State,
+        saved: Saved,
         watcher: &'a mut dyn Watcher,
     ) -> Self {
         Self {
             directory,
             skin: Skin::of(model, options.shown()),
             options,
-            fingerprint: model.fingerprint(),
             model,
             series: Vec::new(),
             point_series: Vec::new(),
@@ -245,18 +222,12 @@ impl<'a> Recorder<'a> {
             earlier_s: 0.0,
             max_penetration_ever: 0.0,
             sums: [0; SUMS.len()],
-            beginnings: Vec::new(),
             failed: None,
             without_stress: None,
             contact: (0.0, [0.0; 3]),
             timing: Timing::default(),
             linear_bytes: 0,
-            state,
-            pending: None,
-            carried: BTreeSet::new(),
-            vanished: BTreeMap::new(),
-            fallbacks: BTreeMap::new(),
-            penetrations: BTreeMap::new(),
+            saved,
             watcher,
         }
     }
@@ -268,7 +239,7 @@ impl<'a> Recorder<'a> {
 
     /// The last state that is on disk.
     pub fn state(&self) -> &State {
-        &self.state
+        &self.saved.state
     }
 
     /// Writes what is left to write at the end of a run: the last picture, the sampled master surfaces and how it ended. Where the last
@@ -282,19 +253,19 @@ impl<'a> Recorder<'a> {
         surfaces: &[SurfaceSample],
         problem: &Problem,
     ) -> Result<Summary, OutputError> {
-        if let Some(slaves) = self.pending.take() {
-            self.show(slaves.at(problem.start_positions(), &self.state), problem)?;
+        if let Some(slaves) = self.saved.pending.take() {
+            self.show(slaves.at(problem.start_positions(), &self.saved.state), problem)?;
         }
         self.directory.write_json(&format!("{}/{SURFACES}", names::SKINS), &surfaces)?;
         if let Some(failed) = self.failed.take() {
-            let Self { model, skin, options, state, .. } = self;
-            self.directory
-                .write_json(names::FAILED, &failed.written(problem, model, skin, options, state))?;
+            let Self { model, skin, options, saved, .. } = self;
+            let failed = failed.written(problem, model, skin, options, &saved.state);
+            self.directory.write_json(names::FAILED, &failed)?;
         }
         let run = self.begin.elapsed().as_secs_f64();
         let share = |time: Duration| time.as_secs_f64() / run.max(f64::MIN_POSITIVE);
-        summary.time = self.state.time;
-        summary.increments = self.state.increments;
+        summary.time = self.saved.state.time;
+        summary.increments = self.saved.state.increments;
         summary.wall_s = self.wall_s();
         summary.max_penetration_ever = self.max_penetration_ever;
         [
@@ -314,17 +285,17 @@ impl<'a> Recorder<'a> {
         let interfaces =
             problem.contacts().interactions().iter().map(|interaction| &interaction.options().name);
         summary.interfaces_without_force =
-            interfaces.filter(|&name| is_begun && !self.carried.contains(name)).cloned().collect();
-        summary.interfaces_vanished.clone_from(&self.vanished);
-        summary.interfaces.clone_from(&self.beginnings);
+            interfaces.filter(|&name| is_begun && !self.saved.carried.contains(name)).cloned().collect();
+        summary.interfaces_vanished.clone_from(&self.saved.vanished);
+        summary.interfaces.clone_from(&self.saved.beginnings);
         let history = super::read_history(&self.directory.path(names::HISTORY))?;
         summary.contacts = history::contacts(&history, problem);
         summary.friction = history::last_friction(&history, problem);
         let iterations = super::read_history(&self.directory.path(names::ITERATIONS))?;
         summary.increments_rounded = history::rounded(&history, &iterations);
-        summary.fallbacks.clone_from(&self.fallbacks);
-        summary.penetrations.clone_from(&self.penetrations);
-        let at_start = self.beginnings.iter().flat_map(Beginning::warnings);
+        summary.fallbacks.clone_from(&self.saved.fallbacks);
+        summary.penetrations.clone_from(&self.saved.penetrations);
+        let at_start = self.saved.beginnings.iter().flat_map(Beginning::warnings);
         let of_model = self.model.warnings.iter().cloned();
         let of_output = self.without_stress.clone();
         summary.warnings = of_model.chain(at_start).chain(summary.shortcomings()).chain(of_output).collect();
@@ -341,16 +312,16 @@ impl<'a> Recorder<'a> {
 
     /// Writes picture and skin of the last state, with its stresses if they are asked for.
     fn show(&mut self, mut fields: Fields, problem: &Problem) -> Result<(), OutputError> {
-        let (number, time) = (self.state.increments, self.state.time);
+        let (number, time) = (self.saved.state.increments, self.saved.state.time);
         if self.options.output.stress
-            && let Err(error) = fields.recover(problem, &self.state)
+            && let Err(error) = fields.recover(problem, &self.saved.state)
         {
             let warning = format!("increment {number} has no stresses: {error}");
             self.watcher.warning(&warning);
             self.without_stress.get_or_insert(warning);
         }
         picture::write(&self.directory, number, self.model, &self.model.nodes, &fields)?;
-        let frame: SkinFrame = self.skin.frame(number, time, &self.state.positions, &fields);
+        let frame: SkinFrame = self.skin.frame(number, time, &self.saved.state.positions, &fields);
         self.directory.write_json(&format!("{}/{number:05}.json", names::SKINS), &frame)?;
         self.series.retain(|&(known, _)| known < number);
         self.series.push((number, time));
@@ -367,44 +338,48 @@ impl<'a> Recorder<'a> {
         let fields = Fields::of(problem, state);
         let is_shown = record.number.is_multiple_of(self.options.output.every);
         let pending = (!is_shown).then(|| SlaveFields::of(&fields));
-        let mut carried = self.carried.clone();
-        carried.extend(carrying(record, problem));
-        let mut vanished = self.vanished.clone();
-        for (interface, _) in &record.vanished {
-            vanished.entry(interface.clone()).or_insert(record.time);
-        }
-        let mut fallbacks = self.fallbacks.clone();
-        for (interface, found) in &record.fallbacks {
-            let most = fallbacks.entry(interface.clone()).or_default();
-            *most = most.max(*found);
-        }
-        let mut penetrations = self.penetrations.clone();
-        // Of a motion the end counts.
-        penetrations.values_mut().for_each(|most| most.part_of_motion = 0.0);
-        for (interface, found) in &record.penetrations {
-            let most = penetrations.entry(interface.clone()).or_default();
-            *most = most.max(*found);
-        }
-        penetrations.retain(|_, most| !most.is_none());
+        let saved = &mut self.saved;
         let before = (
-            std::mem::replace(&mut self.state, state.clone()),
-            std::mem::replace(&mut self.pending, pending),
-            std::mem::replace(&mut self.carried, carried),
-            std::mem::replace(&mut self.vanished, vanished),
-            std::mem::replace(&mut self.fallbacks, fallbacks),
-            std::mem::replace(&mut self.penetrations, penetrations),
+            std::mem::replace(&mut saved.state, state.clone()),
+            std::mem::replace(&mut saved.pending, pending),
+            saved.carried.clone(),
+            saved.vanished.clone(),
+            saved.fallbacks.clone(),
+            saved.penetrations.clone(),
         );
+        saved.carried.extend(carrying(record, problem));
+        for (interface, _) in &record.vanished {
+            saved.vanished.entry(interface.clone()).or_insert(record.time);
+        }
+        for (interface, found) in &record.fallbacks {
+            let most = saved.fallbacks.entry(interface.clone()).or_default();
+            *most = most.max(*found);
+        }
+        // Of a motion the end counts.
+        saved.penetrations.values_mut().for_each(|most| most.part_of_motion = 0.0);
+        for (interface, found) in &record.penetrations {
+            let most = saved.penetrations.entry(interface.clone()).or_default();
+            *most = most.max(*found);
+        }
+        saved.penetrations.retain(|_, most| !most.is_none());
         let lengths = TABLES.map(|table| self.directory.length(table));
         let written = self.write_increment(record, problem, is_shown.then_some(fields));
         if let Err(error) = written {
-            (self.state, self.pending, self.carried, self.vanished, self.fallbacks, self.penetrations) =
-                before;
+            let saved = &mut self.saved;
+            (
+                saved.state,
+                saved.pending,
+                saved.carried,
+                saved.vanished,
+                saved.fallbacks,
+                saved.penetrations,
+            ) = before;
             for series in [&mut self.series, &mut self.point_series] {
-                series.retain(|&(known, _)| known <= self.state.increments);
+                series.retain(|&(known, _)| known <= self.saved.state.increments);
             }
             // So does what was written of the increment: the files are those of the last state.
             TABLES.iter().zip(lengths).for_each(|(table, length)| self.directory.shorten(table, length));
-            let _ = self.directory.rewind(self.state.increments, self.options.output.every);
+            let _ = self.directory.rewind(self.saved.state.increments, self.options.output.every);
             let _ = picture::write_series(&self.directory, &self.series);
             if self.directory.path(names::POINTS).exists() {
                 let _ = self.write_point_series();

@@ -18,12 +18,12 @@ use crate::statics::{Problem, State};
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Saved {
-    /// Of all the rest; `None` in what an earlier version wrote.
-    #[serde(default)]
+    /// Of all the rest, which is written without it and then sealed; `None` in what an earlier version wrote.
+    #[serde(default, skip_serializing)]
     checksum: Option<String>,
     /// Digest of the deck's text; `None` in what an earlier version wrote.
     #[serde(default)]
-    deck: Option<String>,
+    pub(super) deck: Option<String>,
     /// [`Model::fingerprint`] of the model.
     model: String,
     /// Name of the vector instructions it was made with; empty in what an earlier version wrote.
@@ -49,19 +49,23 @@ pub struct Saved {
     pub(super) beginnings: Vec<Beginning>,
 }
 
-/// The same while it is written.
-#[derive(Serialize)]
-struct Saving<'a> {
-    deck: String,
-    model: &'a str,
-    instructions: &'a str,
-    state: &'a State,
-    pending: Option<&'a SlaveFields>,
-    carried: &'a BTreeSet<String>,
-    vanished: &'a BTreeMap<String, f64>,
-    fallbacks: &'a BTreeMap<String, Fallbacks>,
-    penetrations: &'a BTreeMap<String, Penetration>,
-    beginnings: &'a [Beginning],
+impl Saved {
+    /// Before the first increment of a deck with this text.
+    pub(super) fn new(deck: &str, model: &Model, state: State) -> Self {
+        Self {
+            checksum: None,
+            deck: Some(seal::digest(deck)),
+            model: model.fingerprint(),
+            instructions: instructions().to_owned(),
+            state,
+            pending: None,
+            carried: BTreeSet::new(),
+            vanished: BTreeMap::new(),
+            fallbacks: BTreeMap::new(),
+            penetrations: BTreeMap::new(),
+            beginnings: Vec::new(),
+        }
+    }
 }
 
 impl Recorder<'_> {
@@ -111,24 +115,8 @@ impl Recorder<'_> {
     }
 
     pub(super) fn write_state(&self) -> Result<(), OutputError> {
-        let Self {
-            fingerprint, state, pending, carried, vanished, fallbacks, penetrations, beginnings, ..
-        } = self;
-        let instructions = instructions();
-        let saving = Saving {
-            deck: seal::digest(&self.options.deck),
-            model: fingerprint,
-            instructions,
-            state,
-            pending: pending.as_ref(),
-            carried,
-            vanished,
-            fallbacks,
-            penetrations,
-            beginnings,
-        };
         self.directory.write(names::STATE, |writer| {
-            writer.write_all(seal::sealed(&serde_json::to_string(&saving)?).as_bytes())
+            writer.write_all(seal::sealed(&serde_json::to_string(&self.saved)?).as_bytes())
         })
     }
 }

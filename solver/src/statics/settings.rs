@@ -100,26 +100,21 @@ impl Settings {
     /// Checks the ranges.
     pub(super) fn check(&self) -> Result<(), StaticsError> {
         let Self { time, newton } = self;
-        let positive = |name, value: f64| {
-            let wrong = StaticsError::Setting { name, value, range: "positive and finite" };
-            if value > 0.0 && value.is_finite() { Ok(()) } else { Err(wrong) }
-        };
-        positive("time.end", time.end)?;
-        positive("time.increment", time.increment)?;
-        positive("time.minimum", time.minimum)?;
-        positive("time.maximum", time.maximum)?;
-        positive("newton.tolerance", newton.tolerance)?;
         let within = |name, value: f64, inside: bool, range| {
             if inside { Ok(()) } else { Err(StaticsError::Setting { name, value, range }) }
         };
-        within(
-            "time.growth",
-            time.growth,
-            time.growth >= 1.0 && time.growth.is_finite(),
-            "at least 1 and finite",
-        )?;
-        within("time.cutback", time.cutback, time.cutback > 0.0 && time.cutback < 1.0, "between 0 and 1")?;
-        let absolute = newton.absolute.unwrap_or_default();
+        for (name, value) in [
+            ("time.end", time.end),
+            ("time.increment", time.increment),
+            ("time.minimum", time.minimum),
+            ("time.maximum", time.maximum),
+            ("newton.tolerance", newton.tolerance),
+        ] {
+            within(name, value, value > 0.0 && value.is_finite(), "positive and finite")?;
+        }
+        let (growth, cutback, absolute) = (time.growth, time.cutback, newton.absolute.unwrap_or_default());
+        within("time.growth", growth, growth >= 1.0 && growth.is_finite(), "at least 1 and finite")?;
+        within("time.cutback", cutback, cutback > 0.0 && cutback < 1.0, "between 0 and 1")?;
         within(
             "newton.absolute",
             absolute,

@@ -2,6 +2,8 @@
 
 use std::collections::HashMap;
 
+use nalgebra::Vector3;
+
 use super::Motion;
 
 /// Nodes moved alike: what one `[[boundary]]` of a deck says.
@@ -92,14 +94,11 @@ impl Supports {
 
     /// The axes along which each node is held where it is.
     pub fn at_rest(&self) -> Vec<[bool; 3]> {
-        let rests = |(axis, group): (usize, &Option<u32>)| {
+        let rests = |group: Option<u32>, axis: usize| {
             group.is_some_and(|group| self.groups[group as usize].motion.rests_along(axis))
         };
-        let of_node = |groups: &[Option<u32>; 3]| {
-            let mut axes = groups.iter().enumerate().map(rests);
-            std::array::from_fn(|_| axes.next().unwrap_or_default())
-        };
-        self.group_of.as_chunks::<3>().0.iter().map(of_node).collect()
+        let nodes = self.group_of.as_chunks::<3>().0.iter();
+        nodes.map(|groups| [0, 1, 2].map(|axis| rests(groups[axis], axis))).collect()
     }
 
     /// Prescribed degrees of freedom and their coordinates at `time`; `start`: positions at the start.
@@ -127,17 +126,13 @@ impl Supports {
 
     /// Moment about a point of `forces`, three per node, over the degrees of freedom that belong to a group: Σ (x − point) × f.
     pub fn moment(&self, group: usize, forces: &[f64], positions: &[[f64; 3]], point: [f64; 3]) -> [f64; 3] {
-        let mut sum = [0.0; 3];
+        let mut sum = Vector3::zeros();
         let nodes = self.group_of.as_chunks::<3>().0.iter().zip(forces.as_chunks::<3>().0).zip(positions);
         for ((of, force), position) in nodes {
-            let own = |axis: usize| if of[axis] == Some(group as u32) { force[axis] } else { 0.0 };
-            let arm = |axis: usize| position[axis] - point[axis];
-            for (axis, sum) in sum.iter_mut().enumerate() {
-                let (next, last) = ((axis + 1) % 3, (axis + 2) % 3);
-                *sum += arm(next) * own(last) - arm(last) * own(next);
-            }
+            let own = [0, 1, 2].map(|axis| if of[axis] == Some(group as u32) { force[axis] } else { 0.0 });
+            sum += (Vector3::from(*position) - Vector3::from(point)).cross(&Vector3::from(own));
         }
-        sum
+        sum.into()
     }
 }
 

@@ -24,10 +24,8 @@ fn modulus(field: &Field) -> Result<f64, DeckError> {
 pub(super) fn material(section: &Section) -> Result<Material, DeckError> {
     let section = section.clone().expect(schema::MATERIAL)?;
     let poisson = section.need("poisson")?;
-    let is_hencky = match section.get("model") {
-        Some(model) => model.word(&[("hencky", true), ("neo-hooke", false)])?,
-        None => true,
-    };
+    let models = [("hencky", true), ("neo-hooke", false)];
+    let is_hencky = section.or("model", true, |model| model.word(&models))?;
     let model = if is_hencky {
         MaterialModel::Hencky { plasticity: plasticity(&section)? }
     } else {
@@ -47,12 +45,9 @@ fn plasticity(section: &Section) -> Result<Option<Plasticity>, DeckError> {
         return Ok(None);
     };
     let yield_stress = modulus(&yield_stress)?;
-    let hardening = match section.get("hardening") {
-        Some(field) => {
-            field.number_in("at least 0 and at most 1e50", |value| (0.0..=MODULI[1]).contains(&value))?
-        }
-        None => 0.0,
-    };
+    let hardening = section.or("hardening", 0.0, |field| {
+        field.number_in("at least 0 and at most 1e50", |value| (0.0..=MODULI[1]).contains(&value))
+    })?;
     Ok(Some(Plasticity { yield_stress, hardening }))
 }
 

@@ -17,7 +17,7 @@ use serde::Serialize;
 
 pub use surface::{Master, SurfaceSample, sample_surfaces};
 
-use shown::{Frame, Surface};
+use shown::Surface;
 
 use crate::deck::Deck;
 use crate::output::{
@@ -40,18 +40,12 @@ struct Run {
     /// Per increment the residuals that are shown: linear solutions so far, and the residual over what is allowed.
     residuals: BTreeMap<usize, Vec<(f64, f64)>>,
     skin: Skin,
-    frames: Vec<Frame>,
+    frames: Vec<SkinFrame>,
     surfaces: Vec<Surface>,
     /// The increment that it ended with, if that failed.
     failed: Option<Failed>,
     /// What is not shown.
     notes: Vec<String>,
-}
-
-/// Data of the page.
-#[derive(Clone, Debug, Serialize)]
-struct Data {
-    runs: Vec<Run>,
 }
 
 /// The page for one or several directories of results.
@@ -66,7 +60,8 @@ pub fn report(directories: &[&Path]) -> Result<String, OutputError> {
     name_apart(&mut runs, directories);
     let title = runs.first().map_or_else(String::new, |run| run.summary.title.clone());
     // Within a script element a "<" could end it early or open a comment. In JSON it occurs within strings only.
-    let data = serde_json::to_string(&Data { runs }).unwrap_or_default().replace('<', "\\u003c");
+    let data =
+        serde_json::to_string(&BTreeMap::from([("runs", runs)])).unwrap_or_default().replace('<', "\\u003c");
     Ok(fill(&[
         ("@TITLE@", &escaped(&title)),
         ("@PLOTLY@", &plotly_script()),
@@ -192,10 +187,7 @@ fn unfinished(directory: &Path, increments: &History) -> Summary {
 /// The shape is left out where that of the run is.
 fn read_failed(path: &Path, skin: &Skin) -> Result<Failed, OutputError> {
     let mut failed: Failed = read_json(path)?;
-    let fits = |frame: &SkinFrame| {
-        let lengths = frame.fields.values().map(Vec::len).chain([frame.positions.len()]);
-        lengths.into_iter().all(|length| length == skin.nodes.len())
-    };
+    let fits = |frame: &SkinFrame| misfit(frame, skin.nodes.len()).is_none();
     failed.frame = failed.frame.filter(fits).map(shown::short);
     Ok(failed)
 }
@@ -270,7 +262,7 @@ fn read_frames(
     skin: Skin,
     runs: usize,
     notes: &mut Vec<String>,
-) -> Result<(Skin, Vec<Frame>), OutputError> {
+) -> Result<(Skin, Vec<SkinFrame>), OutputError> {
     let paths = numbered(skins)?;
     if paths.is_empty() {
         return Err(inconsistent(skins, "there is no shape, not even that of the start"));
@@ -281,13 +273,18 @@ fn read_frames(
 
 fn read_frame(path: &Path, expected: usize) -> Result<SkinFrame, OutputError> {
     let frame: SkinFrame = read_json(path)?;
-    let lengths = frame.fields.values().map(Vec::len).chain([frame.positions.len()]);
-    match lengths.into_iter().find(|&found| found != expected) {
+    match misfit(&frame, expected) {
         Some(found) => {
             Err(inconsistent(path, format!("{found} values for the {expected} nodes of the skin")))
         }
         None => Ok(frame),
     }
+}
+
+/// The number of some values of a frame that is not that of the skin's nodes.
+fn misfit(frame: &SkinFrame, nodes: usize) -> Option<usize> {
+    let mut lengths = frame.fields.values().map(Vec::len).chain([frame.positions.len()]);
+    lengths.find(|&length| length != nodes)
 }
 
 #[cfg(test)]

@@ -1,7 +1,5 @@
 //! What of the results is in the page: as much as a browser opens at once, in as many digits as one sees.
 
-use std::collections::BTreeMap;
-
 use serde::Serialize;
 
 use super::SurfaceSample;
@@ -13,15 +11,6 @@ const MOST_FRAMES: usize = 41;
 const SHAPE_BYTES: usize = 5_000_000;
 /// Bytes of all sampled surfaces in a page.
 const SURFACE_BYTES: usize = 2_500_000;
-
-/// A skin at one time.
-#[derive(Clone, Debug, Default, PartialEq, Serialize)]
-pub struct Frame {
-    increment: usize,
-    time: f64,
-    positions: Vec<[f64; 3]>,
-    fields: BTreeMap<String, Vec<f64>>,
-}
 
 /// A sampled master surface.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
@@ -55,13 +44,6 @@ pub fn short(mut frame: SkinFrame) -> SkinFrame {
     frame
 }
 
-impl Frame {
-    fn of(frame: SkinFrame) -> Self {
-        let SkinFrame { increment, time, positions, fields } = short(frame);
-        Self { increment, time, positions, fields }
-    }
-}
-
 impl Surface {
     fn of(sample: &SurfaceSample) -> Self {
         let apart = |(a, b): (&[f64; 3], &[f64; 3])| {
@@ -86,8 +68,8 @@ pub fn frames(
     runs: usize,
     mut read: impl FnMut(usize) -> Result<SkinFrame, OutputError>,
     notes: &mut Vec<String>,
-) -> Result<(Skin, Vec<Frame>), OutputError> {
-    let last = Frame::of(read(count - 1)?);
+) -> Result<(Skin, Vec<SkinFrame>), OutputError> {
+    let last = short(read(count - 1)?);
     let room = (SHAPE_BYTES / runs).saturating_sub(bytes(&skin));
     // Others may have a little more to write than the last one.
     let most = (room / (bytes(&last) * 5 / 4)).min(MOST_FRAMES).min(count);
@@ -99,7 +81,7 @@ pub fn frames(
         notes.push(format!("{most} of {count} pictures of the shape are shown."));
     }
     let places = (0..most - 1).map(|k| k * (count - 1) / (most - 1));
-    let mut frames = places.map(|k| Ok(Frame::of(read(k)?))).collect::<Result<Vec<_>, OutputError>>()?;
+    let mut frames = places.map(|k| Ok(short(read(k)?))).collect::<Result<Vec<_>, OutputError>>()?;
     frames.push(last);
     Ok((skin, frames))
 }

@@ -21,8 +21,6 @@ pub struct FacePass {
     cover: FaceCover,
     /// Penalty, multipliers and stiffness of friction are per area.
     state: PassState,
-    /// The mode of the last evaluation.
-    mode: Mode,
     /// What contact exerts on each coordinate.
     forces: Vec<f64>,
 }
@@ -52,19 +50,11 @@ impl FacePass {
         }
         let state = PassState::new(options, penalty, interface.slaves().len(), positions.len())?;
         let (cover, forces) = (FaceCover::default(), vec![0.0; 3 * positions.len()]);
-        Ok(Self { interface, cover, state, mode: Mode::Value, forces })
+        Ok(Self { interface, cover, state, forces })
     }
 
     fn contacts(&self) -> &[NodeContact] {
         self.interface.contacts().nodes()
-    }
-
-    /// Gaps, pressures and forces by the law at the positions of the last update.
-    fn apply_law(&mut self) -> Result<(), PassError> {
-        let contacts = self.interface.evaluate(&self.state.law(), self.mode)?;
-        self.forces.fill(0.0);
-        contacts.add_forces(&self.state.dofs, &mut self.forces)?;
-        Ok(())
     }
 }
 
@@ -84,9 +74,12 @@ impl Pass for FacePass {
 
     fn evaluate(&mut self, positions: &[Point], mode: Mode) -> Result<(), PassError> {
         let needs_none = self.state.tangent == TangentRule::GaussNewton;
-        self.mode = if needs_none { mode.min(Mode::Gradient) } else { mode };
+        let mode = if needs_none { mode.min(Mode::Gradient) } else { mode };
         self.state.has_grown |= self.interface.update(positions)?.grown;
-        self.apply_law()
+        let contacts = self.interface.evaluate(&self.state.law(), mode)?;
+        self.forces.fill(0.0);
+        contacts.add_forces(&self.state.dofs, &mut self.forces)?;
+        Ok(())
     }
 
     fn cliques(&self) -> Vec<Vec<usize>> {

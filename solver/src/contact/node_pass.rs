@@ -112,12 +112,11 @@ impl Pass for NodePass {
     fn add_internal_forces(&mut self, forces: &mut [f64]) -> Result<usize, PassError> {
         self.values.clear();
         self.values.resize(self.state.dofs.equations(), 0.0);
-        let mut contact_forces = std::mem::take(&mut self.values);
-        let active = add_forces(self.contacts(), &self.state.law(), &self.state.dofs, &mut contact_forces)?;
-        for (force, contact) in forces.iter_mut().zip(&contact_forces) {
-            *force -= contact;
+        let Self { interface, state, values, .. } = self;
+        let active = add_forces(interface.contacts(), &state.law(), &state.dofs, values)?;
+        for (force, contact) in forces.iter_mut().zip(values) {
+            *force -= *contact;
         }
-        self.values = contact_forces;
         Ok(active)
     }
 
@@ -147,7 +146,7 @@ impl Pass for NodePass {
     }
 
     fn add_tangent(&mut self, matrix: &mut BlockMatrix, tangent: Tangent) -> Result<Symmetry, PassError> {
-        let mut entries = std::mem::take(&mut self.values);
+        let entries = &mut self.values;
         let whole = self.state.with_friction(ContactLaw::penalty(self.state.penalty()).with_tangent(tangent));
         let law = if self.is_operator {
             whole.with_friction(None).with_tangent(Tangent::GaussNewton)
@@ -156,7 +155,7 @@ impl Pass for NodePass {
         };
         let mut symmetry = Symmetry::Symmetric;
         let mut nodes = Vec::new();
-        for (k, contact) in self.contacts().iter().enumerate() {
+        for (k, contact) in self.interface.contacts().iter().enumerate() {
             let ContactRef { slave, point, area, gradient, hessian, slip, .. } = contact;
             // One law for one contact: with its own multiplier.
             let law = law.with_multipliers(self.state.multipliers.get(k..=k));
@@ -177,10 +176,10 @@ impl Pass for NodePass {
             let is_full = is_skew && !self.is_operator;
             let made = if is_full {
                 entries.resize(size * size, 0.0);
-                law.element_system(&view, &mut [], &mut entries)
+                law.element_system(&view, &mut [], entries)
             } else {
                 entries.resize(size * (size + 1) / 2, 0.0);
-                law.element_tangent(&view, &mut entries)
+                law.element_tangent(&view, entries)
             };
             made.map_err(|error| match error {
                 // The equation is that of the element.
@@ -190,12 +189,11 @@ impl Pass for NodePass {
                 other => other,
             })?;
             match (is_full, self.is_symmetric) {
-                (false, _) => matrix.add_symmetric(&nodes, &entries),
-                (true, true) => matrix.add_symmetric(&nodes, &symmetric_part(&entries, size)),
-                (true, false) => matrix.add(&nodes, &entries),
+                (false, _) => matrix.add_symmetric(&nodes, entries),
+                (true, true) => matrix.add_symmetric(&nodes, &symmetric_part(entries, size)),
+                (true, false) => matrix.add(&nodes, entries),
             }
         }
-        self.values = entries;
         Ok(symmetry)
     }
 

@@ -25,10 +25,12 @@ pub struct NodalForces {
 }
 
 /// A step of a pass that failed.
-#[derive(Debug)]
+#[derive(Debug, thiserror::Error)]
 pub enum PassError {
-    Interface(InterfaceError),
-    Assembly(AssemblyError),
+    #[error(transparent)]
+    Interface(#[from] InterfaceError),
+    #[error(transparent)]
+    Assembly(#[from] AssemblyError),
 }
 
 impl PassError {
@@ -39,18 +41,6 @@ impl PassError {
             Self::Interface(source) => ContactError::Interface { interface, source },
             Self::Assembly(source) => ContactError::Assembly { interface, source },
         }
-    }
-}
-
-impl From<InterfaceError> for PassError {
-    fn from(error: InterfaceError) -> Self {
-        Self::Interface(error)
-    }
-}
-
-impl From<AssemblyError> for PassError {
-    fn from(error: AssemblyError) -> Self {
-        Self::Assembly(error)
     }
 }
 

@@ -8,7 +8,7 @@ use diffuse_contact::interface::{FrictionReport, InterfaceError, Outcome};
 use diffuse_contact::surface::{Facet, MasterSurface};
 use diffuse_contact::{Mode, Point};
 
-use super::pass::{NodalForces, Pass, PassError, PassState, Pressed};
+use super::pass::{NodalForces, Pass, PassError, PassState, Pressed, by_interface};
 use super::tracks::Finder;
 use super::{ContactError, InteractionOptions, SlaveState, TangentRule};
 use crate::system::{BlockMatrix, Symmetry};
@@ -59,13 +59,7 @@ impl FacePass {
 }
 
 impl Pass for FacePass {
-    fn state(&self) -> &PassState {
-        &self.state
-    }
-
-    fn state_mut(&mut self) -> &mut PassState {
-        &mut self.state
-    }
+    by_interface!();
 
     fn refresh(&mut self, positions: &[Point]) -> Result<(), PassError> {
         self.interface.refresh(positions)?;
@@ -103,34 +97,6 @@ impl Pass for FacePass {
         Ok(symmetry)
     }
 
-    fn has_history(&self) -> bool {
-        self.interface.has_history()
-    }
-
-    fn anchors(&self) -> Vec<f64> {
-        self.interface.history()
-    }
-
-    fn augmented_anchors(&self) -> Vec<f64> {
-        self.interface.augmented_history()
-    }
-
-    fn set_anchors(&mut self, anchors: &[f64]) -> Result<(), InterfaceError> {
-        self.interface.set_history(anchors)
-    }
-
-    fn accept_anchors(&mut self) -> Result<FrictionReport, InterfaceError> {
-        self.interface.accept(&self.state.law())
-    }
-
-    fn slip_errors(&self) -> Result<Vec<f64>, InterfaceError> {
-        self.interface.slip_errors(&self.state.law())
-    }
-
-    fn augment_friction_of(&mut self, moved: &[bool]) -> Result<(), InterfaceError> {
-        self.interface.augment(&self.state.law(), |k| moved[k])
-    }
-
     fn is_held(&self, k: usize) -> bool {
         self.interface.carriers(k).all(|node| self.state.held[node as usize])
     }
@@ -138,10 +104,6 @@ impl Pass for FacePass {
     fn augment(&mut self) {
         let pressures = |(k, node): (usize, &NodeContact)| if self.is_held(k) { 0.0 } else { node.pressure };
         self.state.multipliers = self.contacts().iter().enumerate().map(pressures).collect();
-    }
-
-    fn master(&self) -> &MasterSurface {
-        self.interface.master()
     }
 
     fn finder(&self) -> Finder<'_> {
@@ -169,10 +131,6 @@ impl Pass for FacePass {
             }
         }
         sum
-    }
-
-    fn slave_count(&self) -> usize {
-        self.interface.slaves().len()
     }
 
     fn outcomes(&self) -> Vec<(usize, Outcome)> {

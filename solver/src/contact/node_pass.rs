@@ -12,7 +12,7 @@ use diffuse_contact::interface::{
 use diffuse_contact::surface::{Facet, MasterSurface};
 use diffuse_contact::{Mode, Point};
 
-use super::pass::{NodalForces, Pass, PassError, PassState};
+use super::pass::{NodalForces, Pass, PassError, PassState, by_interface};
 use super::tracks::Finder;
 use super::{ContactError, InteractionOptions, SlaveState, TangentRule};
 use crate::system::{BlockMatrix, Symmetry};
@@ -85,13 +85,7 @@ impl NodePass {
 }
 
 impl Pass for NodePass {
-    fn state(&self) -> &PassState {
-        &self.state
-    }
-
-    fn state_mut(&mut self) -> &mut PassState {
-        &mut self.state
-    }
+    by_interface!();
 
     fn refresh(&mut self, positions: &[Point]) -> Result<(), PassError> {
         self.interface.renew_pairing(positions)?;
@@ -197,34 +191,6 @@ impl Pass for NodePass {
         Ok(symmetry)
     }
 
-    fn has_history(&self) -> bool {
-        self.interface.has_history()
-    }
-
-    fn anchors(&self) -> Vec<f64> {
-        self.interface.history()
-    }
-
-    fn augmented_anchors(&self) -> Vec<f64> {
-        self.interface.augmented_history()
-    }
-
-    fn set_anchors(&mut self, anchors: &[f64]) -> Result<(), InterfaceError> {
-        self.interface.set_history(anchors)
-    }
-
-    fn accept_anchors(&mut self) -> Result<FrictionReport, InterfaceError> {
-        self.interface.accept(&self.state.law())
-    }
-
-    fn slip_errors(&self) -> Result<Vec<f64>, InterfaceError> {
-        self.interface.slip_errors(&self.state.law())
-    }
-
-    fn augment_friction_of(&mut self, moved: &[bool]) -> Result<(), InterfaceError> {
-        self.interface.augment(&self.state.law(), |k| moved[k])
-    }
-
     fn is_held(&self, k: usize) -> bool {
         let contact = self.contacts().get(k);
         self.state.held[contact.slave] && contact.nodes.iter().all(|&node| self.state.held[node as usize])
@@ -240,20 +206,12 @@ impl Pass for NodePass {
         self.state.multipliers = (0..self.state.multipliers.len()).map(forces).collect();
     }
 
-    fn master(&self) -> &MasterSurface {
-        self.interface.master()
-    }
-
     fn finder(&self) -> Finder<'_> {
         if self.is_own { Finder::ClosestOwn } else { Finder::Closest }
     }
 
     fn multiplier_of(&self, slave: &SlaveState, gap: f64) -> f64 {
         self.state.penalty() * slave.area * gap
-    }
-
-    fn slave_count(&self) -> usize {
-        self.interface.slaves().len()
     }
 
     fn outcomes(&self) -> Vec<(usize, Outcome)> {

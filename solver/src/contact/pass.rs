@@ -479,3 +479,54 @@ pub trait Pass: std::fmt::Debug {
         places.map(|(k, _)| k as u32).collect()
     }
 }
+
+/// What passes over nodes and over faces do alike, each with its own kind of interface.
+macro_rules! by_interface {
+    () => {
+        fn state(&self) -> &PassState {
+            &self.state
+        }
+
+        fn state_mut(&mut self) -> &mut PassState {
+            &mut self.state
+        }
+
+        fn has_history(&self) -> bool {
+            self.interface.has_history()
+        }
+
+        fn anchors(&self) -> Vec<f64> {
+            self.interface.history()
+        }
+
+        fn augmented_anchors(&self) -> Vec<f64> {
+            self.interface.augmented_history()
+        }
+
+        fn set_anchors(&mut self, anchors: &[f64]) -> Result<(), InterfaceError> {
+            self.interface.set_history(anchors)
+        }
+
+        fn accept_anchors(&mut self) -> Result<FrictionReport, InterfaceError> {
+            self.interface.accept(&self.state.law())
+        }
+
+        fn slip_errors(&self) -> Result<Vec<f64>, InterfaceError> {
+            self.interface.slip_errors(&self.state.law())
+        }
+
+        fn augment_friction_of(&mut self, moved: &[bool]) -> Result<(), InterfaceError> {
+            self.interface.augment(&self.state.law(), |k| moved[k])
+        }
+
+        fn master(&self) -> &MasterSurface {
+            self.interface.master()
+        }
+
+        fn slave_count(&self) -> usize {
+            self.interface.slaves().len()
+        }
+    };
+}
+
+pub(super) use by_interface;

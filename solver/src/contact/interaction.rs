@@ -16,7 +16,7 @@ use super::losses::is_failure;
 use super::node_pass::NodePass;
 use super::pass::{Bodies, Nearest, NodalForces, Pass, PassError};
 use super::penetration::Penetration;
-use super::{Augmentation, ContactError, Integration, InteractionOptions, LostContact, Way};
+use super::{Augmentation, ContactError, Integration, InteractionOptions, Way};
 use crate::model::sorted;
 use crate::system::{BlockMatrix, Symmetry};
 
@@ -331,17 +331,6 @@ impl Interaction {
         let error =
             |slave: SlaveState| slave.gap.map_or(0.0, |gap| if slave.force > 0.0 { gap.abs() } else { -gap });
         moved.map(error).fold(0.0, f64::max)
-    }
-
-    /// The slaves that carried force since the beginning of the increment, or at it, and have no contact although they have not left
-    /// the master.
-    pub fn lost(&self, way: Way<'_>) -> impl Iterator<Item = LostContact> {
-        self.passes.iter().flat_map(move |pass| pass.lost(way))
-    }
-
-    /// How many slaves carried force since the increment began, or right before it, and are beyond the master's border now.
-    pub fn left(&self) -> usize {
-        self.passes.iter().map(|pass| pass.left()).sum()
     }
 
     /// As [`ContactSet::vanished`](super::ContactSet::vanished).

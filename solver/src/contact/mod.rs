@@ -309,14 +309,15 @@ impl ContactSet {
     pub fn lost(&self, way: Way<'_>) -> impl Iterator<Item = (&str, LostContact)> {
         self.interactions.iter().flat_map(move |interaction| {
             let name = interaction.options().name.as_str();
-            interaction.lost(way).map(move |lost| (name, lost))
+            interaction.passes().flat_map(move |pass| pass.lost(way)).map(move |lost| (name, lost))
         })
     }
 
     /// Names of the interactions with slaves that carried force in the increment or right before it and are beyond the master's border at
     /// the last evaluation, and how many these are.
     pub fn left(&self) -> impl Iterator<Item = (String, usize)> {
-        self.named(Interaction::left).filter(|&(_, count)| count > 0)
+        let left = |own: &Interaction| own.passes().map(|pass| pass.left()).sum();
+        self.named(left).filter(|&(_, count)| count > 0)
     }
 
     /// Names of the interactions that carried force when the increment began and carry none at the last evaluation although slaves that

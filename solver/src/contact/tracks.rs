@@ -160,11 +160,7 @@ impl Own {
         let mut planes: Vec<(Plane, usize)> = (0..master.facet_count())
             .map(|facet| (Plane::of(&master.facet(facet), positions), facet))
             .collect();
-        let start = Vector3::repeat(f64::INFINITY);
-        let middles = || planes.iter().map(|(plane, _)| plane.middle);
-        let lower = middles().fold(start, |lower, x| lower.inf(&x));
-        let upper = middles().fold(-start, |upper, x| upper.sup(&x));
-        let axis = (upper - lower).imax();
+        let axis = edges(planes.iter().map(|(plane, _)| plane.middle)).imax();
         planes.sort_by(|(one, _), (other, _)| one.middle[axis].total_cmp(&other.middle[axis]));
         Some(Self { normals, axis, planes })
     }
@@ -243,9 +239,12 @@ impl Plane {
 
 /// The longest edge of the box around a facet.
 fn extent(facet: &Facet, positions: &[Point]) -> f64 {
-    let corners = || facet.corners().iter().map(|&node| Vector3::from(positions[node]));
+    edges(facet.corners().iter().map(|&node| Vector3::from(positions[node]))).max()
+}
+
+/// The edges of the box around some points.
+fn edges(points: impl Iterator<Item = Vector3<f64>>) -> Vector3<f64> {
     let start = Vector3::repeat(f64::INFINITY);
-    let lower = corners().fold(start, |lower, x| lower.inf(&x));
-    let upper = corners().fold(-start, |upper, x| upper.sup(&x));
-    (upper - lower).max()
+    let (lower, upper) = points.fold((start, -start), |(lower, upper), x| (lower.inf(&x), upper.sup(&x)));
+    upper - lower
 }

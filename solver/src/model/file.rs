@@ -7,6 +7,7 @@ use std::path::{Path, PathBuf};
 use diffuse_contact::surface::Facet;
 use diffuse_contact_mesh::{self as mesh, Mesh};
 
+use super::cells::contact_facet;
 use super::{Cells, ModelError, Part, sorted};
 
 /// How types begin that are no solids: points and springs, connectors, shells, membranes and surfaces, rigid facets, beams, elements in a
@@ -198,15 +199,8 @@ impl Subset {
 
     /// A facet of the file in the part's numbers, if all of its corners are in use.
     fn facet(&self, facet: &mesh::Facet) -> Option<Facet> {
-        match *facet {
-            mesh::Facet::Triangle(nodes) => self.all(nodes).map(Facet::Triangle),
-            mesh::Facet::Quadrilateral(nodes) => self.all(nodes).map(Facet::Quadrilateral),
-        }
-    }
-
-    fn all<const N: usize>(&self, nodes: [usize; N]) -> Option<[usize; N]> {
-        let own = nodes.map(|node| self.number[node]);
-        (!own.contains(&usize::MAX)).then_some(own)
+        let own = contact_facet(*facet, |node| self.number[node]);
+        (!own.corners().contains(&usize::MAX)).then_some(own)
     }
 
     /// The file's surfaces as far as `own` knows their facets; those of which nothing is left do not count. Beside them the numbers of facets

@@ -18,20 +18,6 @@ use crate::statics::{
     Control, FailedIncrement, Failure, IncrementRecord, IterationRecord, Observer, Problem, State, Timing,
 };
 
-/// Columns of the history whose sums are in the summary.
-const SUMS: [&str; 10] = [
-    "short",
-    "lost",
-    "missed",
-    "unanchored",
-    "supposed",
-    "softened",
-    "unstable",
-    "stabilised",
-    "linear_iterations",
-    "direct_instead",
-];
-
 /// What is written, and where.
 #[derive(Clone, Debug)]
 #[non_exhaustive]
@@ -103,15 +89,10 @@ pub struct Recorder<'a> {
     begin: Instant,
     /// Seconds of earlier runs.
     earlier_s: f64,
-    max_penetration_ever: f64,
-    /// Sums of the columns of [`SUMS`].
-    sums: [usize; SUMS.len()],
     /// The last try, if it failed.
     failed: Option<FailedTry>,
     /// The first picture without stresses, and why; of this run.
     without_stress: Option<String>,
-    /// Deepest penetration and sum of the contact forces at the end of the last increment.
-    contact: (f64, [f64; 3]),
     timing: Timing,
     /// The most memory of an iterative linear solution of this run, bytes.
     linear_bytes: usize,
@@ -193,14 +174,7 @@ impl<'a> Recorder<'a> {
         if recorder.directory.path(names::POINTS).exists() {
             recorder.write_point_series()?;
         }
-        let penetrations = history.rows.iter().map(|row| history.value(row, "max_penetration"));
-        recorder.max_penetration_ever = penetrations.fold(0.0, f64::max);
-        let sum = |column: &str| history.rows.iter().map(|row| history.value(row, column) as usize).sum();
-        recorder.sums = SUMS.map(sum);
-        if let Some(last) = history.rows.last() {
-            recorder.earlier_s = history.value(last, "wall_s");
-            recorder.contact = (history.value(last, "max_penetration"), history.contact_force(last));
-        }
+        recorder.earlier_s = history.rows.last().map_or(0.0, |last| history.value(last, "wall_s"));
         Ok(recorder)
     }
 
@@ -220,11 +194,8 @@ impl<'a> Recorder<'a> {
             point_series: Vec::new(),
             begin: Instant::now(),
             earlier_s: 0.0,
-            max_penetration_ever: 0.0,
-            sums: [0; SUMS.len()],
             failed: None,
             without_stress: None,
-            contact: (0.0, [0.0; 3]),
             timing: Timing::default(),
             linear_bytes: 0,
             saved,
@@ -267,20 +238,24 @@ impl<'a> Recorder<'a> {
         summary.time = self.saved.state.time;
         summary.increments = self.saved.state.increments;
         summary.wall_s = self.wall_s();
-        summary.max_penetration_ever = self.max_penetration_ever;
-        [
-            summary.augmentations_short,
-            summary.contacts_lost,
-            summary.points_missed,
-            summary.slaves_unanchored,
-            summary.solutions_supposed,
-            summary.increments_softened,
-            summary.increments_unstable,
-            summary.solutions_stabilised,
-            summary.linear_iterations,
-            summary.solutions_direct_instead,
-        ] = self.sums;
-        (summary.max_penetration, summary.contact_force) = self.contact;
+        let history = super::read_history(&self.directory.path(names::HISTORY))?;
+        let sum = |column: &str| history.rows.iter().map(|row| history.value(row, column) as usize).sum();
+        summary.augmentations_short = sum("short");
+        summary.contacts_lost = sum("lost");
+        summary.points_missed = sum("missed");
+        summary.slaves_unanchored = sum("unanchored");
+        summary.solutions_supposed = sum("supposed");
+        summary.increments_softened = sum("softened");
+        summary.increments_unstable = sum("unstable");
+        summary.solutions_stabilised = sum("stabilised");
+        summary.linear_iterations = sum("linear_iterations");
+        summary.solutions_direct_instead = sum("direct_instead");
+        let penetrations = history.rows.iter().map(|row| history.value(row, "max_penetration"));
+        summary.max_penetration_ever = penetrations.fold(0.0, f64::max);
+        if let Some(last) = history.rows.last() {
+            summary.max_penetration = history.value(last, "max_penetration");
+            summary.contact_force = history.contact_force(last);
+        }
         let is_begun = summary.increments > 0;
         let interfaces =
             problem.contacts().interactions().iter().map(|interaction| &interaction.options().name);
@@ -288,7 +263,6 @@ impl<'a> Recorder<'a> {
             interfaces.filter(|&name| is_begun && !self.saved.carried.contains(name)).cloned().collect();
         summary.interfaces_vanished.clone_from(&self.saved.vanished);
         summary.interfaces.clone_from(&self.saved.beginnings);
-        let history = super::read_history(&self.directory.path(names::HISTORY))?;
         summary.contacts = history::contacts(&history, problem);
         summary.friction = history::last_friction(&history, problem);
         let iterations = super::read_history(&self.directory.path(names::ITERATIONS))?;
@@ -386,22 +360,6 @@ impl<'a> Recorder<'a> {
             }
             return Err(error);
         }
-        self.max_penetration_ever = self.max_penetration_ever.max(record.max_penetration);
-        let own = [
-            usize::from(record.is_short),
-            record.lost,
-            record.missed,
-            record.unanchored(),
-            record.supposed,
-            usize::from(record.softened),
-            usize::from(record.is_unstable()),
-            record.stabilised,
-            record.linear.iterations,
-            record.linear.direct_instead,
-        ];
-        self.sums.iter_mut().zip(own).for_each(|(sum, own)| *sum += own);
-        let sum = |axis: usize| record.contacts.iter().map(|contact| contact.force[axis]).sum();
-        self.contact = (record.max_penetration, [0, 1, 2].map(sum));
         self.timing = record.timing;
         self.linear_bytes = self.linear_bytes.max(record.linear.bytes);
         Ok(())

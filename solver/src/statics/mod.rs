@@ -59,8 +59,6 @@ pub use shown_time::ShownTime;
 
 use increment::Increment;
 
-use crate::contact::ContactTangent;
-
 /// Leads a problem through time.
 pub struct Statics {
     problem: Problem,
@@ -86,12 +84,7 @@ impl Statics {
     /// [`StaticsError::Setting`], [`StaticsError::NoFactors`]; [`StaticsError::Contact`] where the tangent is no operator.
     pub fn new(mut problem: Problem, settings: Settings) -> Result<Self, StaticsError> {
         settings.check()?;
-        problem.neglect(settings.newton.absolute);
-        problem.stabilise(settings.newton.stabilisation);
-        match settings.newton.contact_tangent {
-            ContactTangent::Assembled => problem.choose(settings.newton.linear_solver),
-            ContactTangent::Operator => problem.operate()?,
-        }
+        problem.set(&settings.newton)?;
         Ok(Self { problem, settings, stops: Vec::new(), effort: Effort::default() })
     }
 

@@ -5,8 +5,8 @@ use std::time::Instant;
 use diffuse_contact::Mode;
 use serde::{Deserialize, Serialize};
 
-use super::{Failure, LinearEffort, Pressure, StaticsError, Timing};
-use crate::contact::{ContactError, ContactSet, FrictionHistory, RefreshRule};
+use super::{Failure, LinearEffort, NewtonSettings, Pressure, StaticsError, Timing};
+use crate::contact::{ContactError, ContactSet, ContactTangent, FrictionHistory, RefreshRule};
 use crate::material::PointState;
 use crate::model::Supports;
 use crate::solid::{Order, Solid, SolidResponse};
@@ -280,25 +280,17 @@ impl Problem {
         self.internal.iter().zip(&self.external).zip(&self.contact).map(|((i, e), c)| i + c - e)
     }
 
-    /// From here on residuals up to this one are none; by default up to what rounding makes of forces.
-    pub(super) fn neglect(&mut self, absolute: Option<f64>) {
-        self.negligible = absolute.unwrap_or_else(|| self.solid.rounding_of_forces(&self.start));
-    }
-
-    /// From here on this part of each diagonal entry is added to the stiffness.
-    pub(super) fn stabilise(&mut self, part: f64) {
-        self.stabilisation = part;
-    }
-
-    /// From here on linear systems are solved so.
-    pub(super) fn choose(&mut self, choice: LinearSolverChoice) {
+    /// From here on with these settings. By default residuals up to what rounding makes of forces are none; where the tangent of contact is
+    /// an operator, linear systems are solved iteratively.
+    pub(super) fn set(&mut self, newton: &NewtonSettings) -> Result<(), ContactError> {
+        self.negligible = newton.absolute.unwrap_or_else(|| self.solid.rounding_of_forces(&self.start));
+        self.stabilisation = newton.stabilisation;
+        let choice = match newton.contact_tangent {
+            ContactTangent::Assembled => newton.linear_solver,
+            ContactTangent::Operator => LinearSolverChoice::Iterative,
+        };
         self.solver.choose(choice, &self.links, &self.equations);
-    }
-
-    /// From here on the tangent of contact is an operator, and linear systems are solved iteratively.
-    pub(super) fn operate(&mut self) -> Result<(), ContactError> {
-        self.choose(LinearSolverChoice::Iterative);
-        self.contacts.operate()
+        if newton.contact_tangent == ContactTangent::Operator { self.contacts.operate() } else { Ok(()) }
     }
 
     /// Plastic states of the points at the last evaluation.

@@ -90,14 +90,10 @@ impl TractionProfile {
         let mut places: Vec<f64> = snapshot.slaves().map(|slave| positions[slave.node][axis]).collect();
         places.sort_by(f64::total_cmp);
         let beside = |place: f64| {
-            let next = |mut places: Box<dyn Iterator<Item = f64> + '_>| {
-                places
-                    .find(|other| (other - place).abs() > SAME_PLACE * place.abs().max(1.0))
-                    .unwrap_or(place)
-            };
-            let at = places.partition_point(|&other| other < place);
-            let below = next(Box::new(places[..at].iter().rev().copied()));
-            [below, next(Box::new(places[at..].iter().copied()))]
+            let is_another = |other: &f64| (other - place).abs() > SAME_PLACE * place.abs().max(1.0);
+            let (below, above) = places.split_at(places.partition_point(|&other| other < place));
+            let below = below.iter().copied().rfind(is_another);
+            [below, above.iter().copied().find(is_another)].map(|next| next.unwrap_or(place))
         };
         let mut nodes: Vec<NodalTraction> = snapshot
             .slaves()

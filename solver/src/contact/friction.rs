@@ -5,7 +5,6 @@ use std::sync::Arc;
 use diffuse_contact::friction::{
     CoefficientValue, Coulomb, FrictionCoefficient, FrictionError, TabulatedCoefficient,
 };
-use diffuse_contact::interface::FrictionReport;
 use serde::{Deserialize, Serialize};
 
 use super::{Coefficient, ContactError, Friction, InteractionOptions};
@@ -26,34 +25,11 @@ pub struct FrictionHistory {
     pub dissipated: f64,
 }
 
-impl FrictionHistory {
-    /// Takes over what an increment did that began with these anchors; nothing without friction.
-    pub fn take(&mut self, before: Vec<f64>, friction: Option<&PassFriction>, report: &FrictionReport) {
-        let Some(friction) = friction else { return };
-        self.anchors_before = before;
-        self.lasted = friction.duration;
-        self.dissipated += report.dissipated;
-    }
-}
-
 /// μ by the pressures of a pass.
 #[derive(Clone, Debug)]
 enum PassCoefficient {
     Constant(f64),
     Variable(Arc<dyn FrictionCoefficient>),
-}
-
-impl PassCoefficient {
-    /// Of a pass that has this share of all pressures.
-    fn new(whole: &Coefficient, share: f64) -> Self {
-        match whole {
-            &Coefficient::Constant(coefficient) => Self::Constant(coefficient),
-            &Coefficient::Decaying(law) => Self::Variable(Arc::new(law)),
-            Coefficient::Tabulated(table) => {
-                Self::Variable(Arc::new(SharedTable { table: Arc::clone(table), share }))
-            }
-        }
-    }
 }
 
 /// A table by the pressures of all passes together, of which one has a share.
@@ -77,7 +53,7 @@ pub struct PassFriction {
     /// ε_T, over faces per area.
     stiffness: f64,
     shear_limit: Option<f64>,
-    is_augmented: bool,
+    pub is_augmented: bool,
     /// How long the increment lasts.
     pub duration: f64,
     /// Whether the law is for the moment that of no friction.
@@ -99,8 +75,15 @@ impl PassFriction {
         if looks_at_pressure && share != 1.0 && options.augmentation.is_some() {
             return Err(ContactError::SplitPressure { interface: options.name.clone() });
         }
+        let coefficient = match &friction.coefficient {
+            &Coefficient::Constant(coefficient) => PassCoefficient::Constant(coefficient),
+            &Coefficient::Decaying(law) => PassCoefficient::Variable(Arc::new(law)),
+            Coefficient::Tabulated(table) => {
+                PassCoefficient::Variable(Arc::new(SharedTable { table: Arc::clone(table), share }))
+            }
+        };
         let made = Self {
-            coefficient: PassCoefficient::new(&friction.coefficient, share),
+            coefficient,
             stiffness: friction.stiffness.map_or(penalty, |stiffness| share * stiffness),
             shear_limit: friction.shear_limit.map(|limit| share * limit),
             is_augmented: friction.augmentation.is_some(),
@@ -127,10 +110,6 @@ impl PassFriction {
     /// The law, which was checked when this was made.
     pub fn law(&self) -> Coulomb<'_> {
         self.checked().unwrap_or_else(|error| unreachable!("{error}"))
-    }
-
-    pub const fn is_augmented(&self) -> bool {
-        self.is_augmented
     }
 }
 

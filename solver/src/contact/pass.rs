@@ -341,7 +341,11 @@ pub trait Pass: std::fmt::Debug {
         let before = self.augmented_anchors();
         let report = self.accept_anchors()?;
         let PassState { history, friction, .. } = self.state_mut();
-        history.take(before, friction.as_ref(), &report);
+        if let Some(friction) = friction {
+            history.anchors_before = before;
+            history.lasted = friction.duration;
+            history.dissipated += report.dissipated;
+        }
         Ok(report)
     }
 
@@ -393,7 +397,7 @@ pub trait Pass: std::fmt::Debug {
 
     /// Whether its friction has multipliers: a coefficient of 0 has none, whatever the options say.
     fn has_augmented_friction(&self) -> bool {
-        self.state().friction.as_ref().is_some_and(PassFriction::is_augmented)
+        self.state().friction.as_ref().is_some_and(|friction| friction.is_augmented)
     }
 
     /// Tractions become multipliers, if there are any, but where nothing can move.

@@ -69,13 +69,11 @@ impl Cylinder {
         let [cells_u, cells_v] = [u, v].map(|axis| graded_steps(cells[0], self.grading[axis], steps));
         let height = graded_steps(cells[2], self.grading[axial], steps);
         let depth = graded_steps(cells[1], self.layer_grading, steps);
-        let (part, places) = lattice.part(|([i, j, k], layer)| {
+        let (mut part, places) = lattice.part(|([i, j, k], layer)| {
             let across = round_point([mirrored(&cells_u, i), mirrored(&cells_v, j)], self.core, depth[layer]);
             let [x, y] = across.map(|x| self.radius * x);
             self.axis.point([x, y, self.length * height[k as usize]])
         });
-
-        let mut part = part;
         let outside = part.outside();
         part.name_face("outer", &outside, |node| places[node].1 == layers);
         part.name_face("bottom", &outside, |node| places[node].0[2] == 0);

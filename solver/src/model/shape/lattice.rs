@@ -36,24 +36,11 @@ impl HexLattice {
     /// its beginning and its end; those across a cyclic direction do not exist.
     pub fn part(&self, position: impl Fn([usize; 3]) -> [f64; 3], faces: [[&str; 2]; 3]) -> Part {
         let (counts, steps) = (self.counts(), steps(self.kind));
-        let mut part = Part::default();
-        let mut at = Vec::new();
-        for k in 0..counts[2] {
-            for j in 0..counts[1] {
-                for i in 0..counts[0] {
-                    part.nodes.push(position([i, j, k]));
-                    at.push([i, j, k]);
-                }
-            }
-        }
-        for k in 0..self.cells[2] {
-            for j in 0..self.cells[1] {
-                for i in 0..self.cells[0] {
-                    let node =
-                        |[a, b, c]: [usize; 3]| self.node([steps * i + a, steps * j + b, steps * k + c]);
-                    add_cell(&mut part.elements, self.kind, node);
-                }
-            }
+        let mut at: Vec<[usize; 3]> = grid(counts).collect();
+        let mut part = Part { nodes: at.iter().map(|&at| position(at)).collect(), ..Part::default() };
+        for [i, j, k] in grid(self.cells) {
+            let node = |[a, b, c]: [usize; 3]| self.node([steps * i + a, steps * j + b, steps * k + c]);
+            add_cell(&mut part.elements, self.kind, node);
         }
         drop_unused(&mut part, &mut at);
         let outside = part.outside();
@@ -64,6 +51,11 @@ impl HexLattice {
         }
         part
     }
+}
+
+/// Integer coordinates from 0 to below these, the first ones fastest.
+fn grid([a, b, c]: [usize; 3]) -> impl Iterator<Item = [usize; 3]> {
+    (0..c).flat_map(move |k| (0..b).flat_map(move |j| (0..a).map(move |i| [i, j, k])))
 }
 
 /// Corners of a cell in the order of a hexahedron.
@@ -156,9 +148,8 @@ impl ButterflyLattice {
 
     /// All points of the core in the order of their nodes.
     fn core(&self) -> Vec<[i64; 3]> {
-        let (low, high) = (self.low, self.high);
-        let plane = |k| (low[1]..=high[1]).flat_map(move |j| (low[0]..=high[0]).map(move |i| [i, j, k]));
-        (low[2]..=high[2]).flat_map(plane).collect()
+        let at = |steps: [usize; 3]| std::array::from_fn(|axis| self.low[axis] + steps[axis] as i64);
+        grid(self.counts()).map(at).collect()
     }
 
     /// The points of the rim in the order of their nodes, without a list of the core.

@@ -229,18 +229,12 @@ impl Solid {
         for bodies in self.bodies.chunk_by(|one, next| one.part == next.part) {
             let elements = bodies[0].elements.start..bodies[bodies.len() - 1].elements.end;
             let pieces = pieces(&self.elements[elements]);
-            let is_one = pieces.len() == 1;
-            parts.extend(pieces.into_iter().map(|nodes| {
-                let name = bodies[0].part.clone();
-                (
-                    if is_one {
-                        name
-                    } else {
-                        format!("{name}, the piece of node {} of the results", nodes[0])
-                    },
-                    nodes,
-                )
-            }));
+            let (part, count) = (&bodies[0].part, pieces.len());
+            let named = |nodes: Vec<usize>| match count {
+                1 => (part.clone(), nodes),
+                _ => (format!("{part}, the piece of node {} of the results", nodes[0]), nodes),
+            };
+            parts.extend(pieces.into_iter().map(named));
         }
         parts
     }

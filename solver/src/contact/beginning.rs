@@ -115,26 +115,24 @@ fn repeated(interaction: &Interaction, problem: &Problem) -> Option<String> {
 impl Beginning {
     /// Of the slaves of a model's interaction, one of the problem's.
     pub fn of(interaction: &Interaction, model: &Model, problem: &Problem) -> Self {
+        let options = interaction.options();
         let is_deep = |node: usize, gap: f64| gap < -DEEP * interaction.facet_size_at(node);
         let moved = interaction.slaves().filter(|slave| !slave.is_held);
         let deep = moved.filter(|slave| slave.gap.is_some_and(|gap| is_deep(slave.node, gap)));
         let way = |node: usize| {
             let adjusted = model.adjusted.get(&node)?;
             let (from, to) = (&adjusted.before, &model.nodes[node]);
-            (adjusted.interface == interaction.options().name)
+            (adjusted.interface == options.name)
                 .then(|| (0..3).map(|axis| (to[axis] - from[axis]).powi(2)).sum::<f64>().sqrt())
         };
         let ways = interaction.slaves().filter_map(|slave| way(slave.node));
         let ways: Vec<f64> = ways.filter(|&way| way > 0.0).collect();
         Self {
-            penalty: interaction.options().penalty,
+            penalty: options.penalty,
             stiffness_ratio: stiffness_ratio(interaction, model),
-            adjusted: interaction
-                .options()
-                .adjust
-                .map(|_| (ways.len(), ways.into_iter().fold(0.0, f64::max))),
-            not_adjusted: model.not_adjusted.get(&interaction.options().name).copied().unwrap_or(0),
-            interface: interaction.options().name.clone(),
+            adjusted: options.adjust.map(|_| (ways.len(), ways.into_iter().fold(0.0, f64::max))),
+            not_adjusted: model.not_adjusted.get(&options.name).copied().unwrap_or(0),
+            interface: options.name.clone(),
             slaves: interaction.slaves().count(),
             paired: interaction.slaves().filter(|slave| slave.gap.is_some()).count(),
             overlap: interaction.max_penetration(),
@@ -164,81 +162,64 @@ impl Beginning {
 
     /// What may be wrong with the start, in sentences.
     pub fn warnings(&self) -> Vec<String> {
-        let Self {
-            interface,
-            not_adjusted,
-            slaves,
-            deep,
-            fallbacks,
-            straight,
-            serendipity,
-            stiffness_ratio,
-            behind,
-            repeats,
-            idle_planes,
-            free_planes,
-            ..
-        } = self;
+        let interface = shown(&self.interface);
         let twice = |other: &String| {
             format!(
-                "interface `{}`: its two surfaces are those of the interface `{}`, too: the stiffnesses of both add up",
-                shown(interface),
+                "interface `{interface}`: its two surfaces are those of the interface `{}`, too: the stiffnesses of both add up",
                 shown(other)
             )
         };
-        let mut warnings: Vec<String> = repeats.iter().map(twice).collect();
-        let mut warn = |count: &usize, what: &str| {
-            if *count > 0 {
-                warnings.push(format!("interface `{}`: {count} {what}", shown(interface)));
+        let mut warnings: Vec<String> = self.repeats.iter().map(twice).collect();
+        let mut warn = |count: usize, what: &str| {
+            if count > 0 {
+                warnings.push(format!("interface `{interface}`: {count} {what}"));
             }
         };
         warn(
-            not_adjusted,
+            self.not_adjusted,
             "slaves near the master are not moved onto it: their boundary conditions leave them free along its surface, and hardly across it",
         );
         warn(
-            deep,
+            self.deep,
             "slaves start deeper below the master than a tenth of their facets' size: do the parts overlap, or does the master face \
              the wrong way?",
         );
         warn(
-            behind,
+            self.behind,
             "slaves, all that are not beside the master, lie behind it and deeper than it is looked for, so that nothing touches: do the \
              parts overlap, or does the master face the wrong way?",
         );
         warn(
-            straight,
+            self.straight,
             "edge middles or centres of the slave's faces are flat: its nodes carry no smooth surface of their own there",
         );
         warn(
-            serendipity,
+            self.serendipity,
             "faces of the slave have 8 nodes: under a pressure their corners would pull, so that forces over nodes are too low; \
              integration = \"faces\" has them right",
         );
-        if *stiffness_ratio > STIFF {
+        if self.stiffness_ratio > STIFF {
             warnings.push(format!(
-                "interface `{}`: its penalty is {stiffness_ratio:.1e} times as stiff as facets of the bodies, whose forces are lost in \
+                "interface `{interface}`: its penalty is {:.1e} times as stiff as facets of the bodies, whose forces are lost in \
                  its rounding; 1e3 times is enough",
-                shown(interface)
+                self.stiffness_ratio
             ));
         }
         let idle = |plane: &String| {
             format!(
-                "interface `{}`: no edge of the master's or the slave's border lies in its plane of symmetry {plane}: is it where the model \
-                 ends?",
-                shown(interface)
+                "interface `{interface}`: no edge of the master's or the slave's border lies in its plane of symmetry {plane}: is it where \
+                 the model ends?"
             )
         };
-        warnings.extend(idle_planes.iter().map(idle));
+        warnings.extend(self.idle_planes.iter().map(idle));
         let free = |(plane, count): &(String, usize)| {
             format!(
-                "interface `{}`: {count} nodes in its plane of symmetry {plane} are free to move out of it: a `boundary` with `fix` holds \
-                 them there",
-                shown(interface)
+                "interface `{interface}`: {count} nodes in its plane of symmetry {plane} are free to move out of it: a `boundary` with `fix` \
+                 holds them there"
             )
         };
-        warnings.extend(free_planes.iter().map(free));
-        warnings.extend(fallbacks.warnings(Fallbacks::default(), interface, *slaves));
+        warnings.extend(self.free_planes.iter().map(free));
+        warnings.extend(self.fallbacks.warnings(Fallbacks::default(), &self.interface, self.slaves));
         warnings
     }
 }

@@ -10,7 +10,7 @@ use crate::model::Model;
 use crate::output::{Claim, OutputError, Recorder, RecorderOptions, Summary, Watcher, names, read_json};
 use crate::report::{self, Master, sample_surfaces};
 use crate::solid::Solid;
-use crate::statics::{Pressure, Problem, Settings, ShownTime, State, Statics, StaticsError};
+use crate::statics::{Problem, Settings, ShownTime, State, Statics, StaticsError};
 
 /// What to do with a deck.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -184,17 +184,11 @@ pub fn statics(deck: &Deck, model: &Model, threads: usize) -> Result<Statics, So
 pub fn problem(deck: &Deck, model: &Model, threads: usize) -> Result<Problem, SolveError> {
     let solid = Solid::new(&model.nodes, &model.bodies)?;
     let supports = deck.supports(model)?;
-    let pressures = deck.loads(model)?.into_iter().map(|load| Pressure {
-        faces: model.faces_of(&load.facets),
-        value: load.value,
-        amplitude: load.amplitude,
-        follower: load.follower,
-    });
     Ok(Problem::new(
         model.nodes.clone(),
         solid,
         supports,
-        pressures.collect(),
+        deck.loads(model)?,
         ContactSet::new(deck.interactions(model)?),
         threads,
     ))

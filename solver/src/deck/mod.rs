@@ -30,7 +30,7 @@ use crate::statics::{NewtonSettings, TimeSettings};
 pub use control::{Colour, Output};
 pub use error::{DeckError, Problem};
 pub use interface::{Contact, Interface};
-pub use resolve::{Load, Sides};
+pub use resolve::Sides;
 
 use reader::{Section, Source};
 

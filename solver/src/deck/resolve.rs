@@ -8,11 +8,10 @@ use diffuse_contact_mesh::ElementKind;
 use diffuse_contact_mesh::names::nearest;
 
 use super::error::{DeckError, Problem};
-use super::{Boundary, Deck, Interface, PartEntry, PartSource, Reference};
+use super::{Boundary, Deck, Interface, PartEntry, PartSource, Pressure, Reference};
 use crate::distinct::distinct;
-use crate::model::{
-    Amplitude, Conflict, Materials, Meshes, Model, ModelError, Part, Support, Supports, shared_nodes,
-};
+use crate::model::{Conflict, Materials, Meshes, Model, ModelError, Part, Support, Supports, shared_nodes};
+use crate::statics;
 
 const AXES: [&str; 3] = ["x", "y", "z"];
 
@@ -23,19 +22,6 @@ pub struct Sides {
     pub master: Vec<Facet>,
     /// Facets whose nodes must not penetrate it.
     pub slave: Vec<Facet>,
-}
-
-/// A pressure on facets.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Load {
-    /// The facets.
-    pub facets: Vec<Facet>,
-    /// Pressure at amplitude 1, force per area; positive pushes against the surface.
-    pub value: f64,
-    /// Whether it acts on the deformed surface along its normal.
-    pub follower: bool,
-    /// Factor over time.
-    pub amplitude: Amplitude,
 }
 
 impl Deck {
@@ -68,7 +54,7 @@ impl Deck {
             return Err(self.error(1, Problem::NothingDeformable));
         }
         self.supports(&model)?;
-        self.loads(&model)?;
+        self.pressures.iter().try_for_each(|pressure| self.pressed(&model, pressure).map(drop))?;
         self.interfaces.iter().try_for_each(|interface| self.sides(&model, interface).map(drop))?;
         self.adjust(&mut model)?;
         Ok(model)
@@ -118,26 +104,29 @@ impl Deck {
     ///
     /// # Errors
     /// [`DeckError::Invalid`]: a surface that does not exist or is rigid.
-    pub fn loads(&self, model: &Model) -> Result<Vec<Load>, DeckError> {
-        let deformable = model.deformable();
-        let mut loads = Vec::new();
-        for pressure in &self.pressures {
-            let all = self.facets(model, &pressure.surfaces)?;
-            for name in &pressure.surfaces {
-                let facets = self.find(&model.surfaces, "surface", name)?;
-                if facets.iter().flat_map(Facet::corners).any(|&node| !deformable[node]) {
-                    let problem = Problem::PressureOnRigid { name: name.name.clone() };
-                    return Err(self.error(name.line, problem));
-                }
-            }
-            loads.push(Load {
-                facets: all,
+    pub fn loads(&self, model: &Model) -> Result<Vec<statics::Pressure>, DeckError> {
+        let load = |pressure: &Pressure| {
+            Ok(statics::Pressure {
+                faces: model.faces_of(&self.pressed(model, pressure)?),
                 value: pressure.value,
-                follower: pressure.follower,
                 amplitude: pressure.amplitude.clone(),
-            });
+                follower: pressure.follower,
+            })
+        };
+        self.pressures.iter().map(load).collect()
+    }
+
+    /// The facets under a pressure.
+    fn pressed(&self, model: &Model, pressure: &Pressure) -> Result<Vec<Facet>, DeckError> {
+        let (all, deformable) = (self.facets(model, &pressure.surfaces)?, model.deformable());
+        for name in &pressure.surfaces {
+            let facets = self.find(&model.surfaces, "surface", name)?;
+            if facets.iter().flat_map(Facet::corners).any(|&node| !deformable[node]) {
+                let problem = Problem::PressureOnRigid { name: name.name.clone() };
+                return Err(self.error(name.line, problem));
+            }
         }
-        Ok(loads)
+        Ok(all)
     }
 
     /// The sides of one of the deck's interfaces.

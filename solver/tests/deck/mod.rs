@@ -122,7 +122,7 @@ fn a_deck_is_read_with_its_defaults() {
     assert_eq!(supports.prescribed().into_iter().flatten().filter(|&axis| axis).count(), 16 * 3 + 9 * 2);
     let sides = deck.sides(&model, interface).unwrap();
     assert_eq!((sides.master.len(), sides.slave.len()), (9, 4));
-    assert_eq!(deck.loads(&model).unwrap()[0].facets.len(), 4);
+    assert_eq!(deck.loads(&model).unwrap()[0].faces.len(), 4);
 }
 
 #[test]

@@ -66,39 +66,28 @@ impl Skin {
 
     /// The skin's part of positions and fields.
     pub fn frame(&self, increment: usize, time: f64, positions: &[[f64; 3]], fields: &Fields) -> SkinFrame {
-        let size = |v: &[f64; 3]| v.iter().map(|x| x * x).sum::<f64>().sqrt();
-        let displacement: Vec<f64> = fields.displacement.iter().map(size).collect();
-        let status: Vec<f64> = fields.contact_status.iter().copied().map(f64::from).collect();
-        let friction = fields.friction.as_ref().map(|friction| {
-            let traction: Vec<f64> = friction.traction.iter().map(size).collect();
-            let status: Vec<f64> = friction.status.iter().copied().map(f64::from).collect();
-            (&friction.slip, traction, status)
-        });
-        let mut named: Vec<(&str, &[f64])> = vec![
-            ("displacement", &displacement),
-            ("contact_pressure", &fields.contact_pressure),
-            ("contact_gap", &fields.contact_gap),
-            ("contact_status", &status),
-        ];
+        let sizes = |vectors: &[[f64; 3]]| -> Vec<f64> {
+            vectors.iter().map(|v| v.iter().map(|x| x * x).sum::<f64>().sqrt()).collect()
+        };
+        let numbers = |status: &[i32]| -> Vec<f64> { status.iter().copied().map(f64::from).collect() };
+        let mut of_skin = BTreeMap::new();
+        let mut add = |name: &str, values: &[f64]| {
+            of_skin.insert(name.to_owned(), self.nodes.iter().map(|&node| values[node]).collect());
+        };
+        add("displacement", &sizes(&fields.displacement));
+        add("contact_pressure", &fields.contact_pressure);
+        add("contact_gap", &fields.contact_gap);
+        add("contact_status", &numbers(&fields.contact_status));
         if let Some(stresses) = &fields.stresses {
-            named.push(("von_mises", &stresses.von_mises));
-            named.push(("plastic_strain", &stresses.plastic_strain));
+            add("von_mises", &stresses.von_mises);
+            add("plastic_strain", &stresses.plastic_strain);
         }
-        if let Some((slip, traction, status)) = &friction {
-            named.push(("contact_slip", slip));
-            named.push(("contact_friction", traction));
-            named.push(("friction_status", status));
+        if let Some(friction) = &fields.friction {
+            add("contact_slip", &friction.slip);
+            add("contact_friction", &sizes(&friction.traction));
+            add("friction_status", &numbers(&friction.status));
         }
-        SkinFrame {
-            increment,
-            time,
-            positions: self.nodes.iter().map(|&node| positions[node]).collect(),
-            fields: named
-                .into_iter()
-                .map(|(name, values)| {
-                    (name.to_owned(), self.nodes.iter().map(|&node| values[node]).collect())
-                })
-                .collect(),
-        }
+        let positions = self.nodes.iter().map(|&node| positions[node]).collect();
+        SkinFrame { increment, time, positions, fields: of_skin }
     }
 }

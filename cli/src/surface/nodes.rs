@@ -84,7 +84,9 @@ pub fn evaluate(
     let options = options.with_areas(surfaces.has_areas);
     let (slaves, facets) = (surfaces.slaves.clone(), &surfaces.slave_facets);
     let mut interface = ContactInterface::new(master, slaves, facets, positions, options).map_err(refused)?;
-    interface.set_symmetry(planes).map_err(|error| surfaces.symmetry_error(sets, planes, error))?;
+    if !planes.is_empty() {
+        interface.set_symmetry(planes).map_err(|error| surfaces.symmetry_error(sets, planes, error))?;
+    }
     let connect = start.elapsed();
 
     let start = Instant::now();

@@ -133,7 +133,9 @@ impl Skin {
                 let surface = MasterSurface::new(first, faces.to_vec())?;
                 let options = own_options(options, weight, search.basis);
                 let mut own = ContactInterface::new(surface, Vec::new(), &[], first, options)?;
-                own.set_symmetry(planes)?;
+                if !planes.is_empty() {
+                    own.set_symmetry(planes)?;
+                }
                 let numbered: Vec<(u32, Facet)> = (0..).zip(faces.iter().copied()).collect();
                 Self::through(&mut own, &numbered, first, weight)
             }

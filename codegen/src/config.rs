@@ -226,21 +226,19 @@ impl Config {
     /// # }
     /// ```
     ///
+    /// The formulas are called twice: what a test compares with is of sums and products as they are written.
+    ///
     /// # Errors
     /// [`ConfigError::Element`], which names the element and the expression.
-    pub fn element(
-        mut self,
-        name: &str,
-        formulas: impl FnOnce(&ElementModel<'_>),
-    ) -> Result<Self, ConfigError> {
+    pub fn element(mut self, name: &str, formulas: impl Fn(&ElementModel<'_>)) -> Result<Self, ConfigError> {
         let element = |source| ConfigError::Element { element: name.to_owned(), source };
         self.elements.push(ElementKernels::new(name, formulas).map_err(element)?);
         Ok(self)
     }
 
     /// Adds a test of an element to the crate, in the module `name_tests`: with these inputs `evaluate` and `batch` have the values and the
-    /// derivatives of the interpreter and of automatic differentiation, to 1e-12 of the largest entry, or to rounding of the largest of all
-    /// results. `inputs` are the element's in the order of their declaration, each with its last dimension fastest; `nodes` has of each
+    /// derivatives of the interpreter, and those of automatic differentiation of the formulas as they are written, to 1e-12 of the largest entry,
+    /// or to rounding of the largest of all results. `inputs` are the element's in the order of their declaration, each with its last dimension fastest; `nodes` has of each
     /// node all its inputs.
     ///
     /// ```

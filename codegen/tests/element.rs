@@ -72,7 +72,7 @@ fn interpreted(
     move |name| all.iter().find(|(other, _)| other == name).unwrap().1.clone()
 }
 
-fn kernels(formulas: impl FnOnce(&ElementModel<'_>)) -> ElementKernels {
+fn kernels(formulas: impl Fn(&ElementModel<'_>)) -> ElementKernels {
     ElementKernels::new("test", formulas).unwrap()
 }
 
@@ -122,7 +122,7 @@ fn a_tetrahedron_takes_a_third_of_the_operations_of_other_generators() {
 }
 
 /// Values of an element with one number as its input.
-fn values_at(x: f64, formulas: impl FnOnce(&ElementModel<'_>)) -> impl Fn(&str) -> Vec<f64> {
+fn values_at(x: f64, formulas: impl Fn(&ElementModel<'_>)) -> impl Fn(&str) -> Vec<f64> {
     let element = kernels(formulas);
     let mut inputs = NodeInputs::new(0);
     set(&mut inputs, &element.signature.inputs[0], &[x]);
@@ -332,7 +332,7 @@ fn an_arm_has_the_hessian_of_its_distance() {
 fn discard<T>(_: T) {}
 
 /// The error of an element's formulas, with the element's name.
-fn error_of(name: &str, formulas: impl FnOnce(&ElementModel<'_>)) -> (ElementError, String) {
+fn error_of(name: &str, formulas: impl Fn(&ElementModel<'_>)) -> (ElementError, String) {
     let error = Config::new().element(name, formulas).and_then(|config| config.source()).unwrap_err();
     let text = error.to_string();
     assert!(text.contains(&format!("\"{name}\"")), "{text}");
@@ -442,8 +442,8 @@ fn formulas_that_are_never_finite_are_refused() {
     }
     for coefficients in [vec![1.0, f64::NAN, 2.0], vec![1.0, f64::INFINITY]] {
         let polynomial = Polynomial::new(coefficients);
-        let found =
-            Config::new().element("a", |m| m.energy(m.variable::<Expr<'_>>("x").polynomial(polynomial)));
+        let found = Config::new()
+            .element("a", |m| m.energy(m.variable::<Expr<'_>>("x").polynomial(polynomial.clone())));
         assert!(found.is_err());
     }
     // A choice and its condition may begin at infinity.

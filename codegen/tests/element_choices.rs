@@ -9,7 +9,7 @@ use diffuse_contact_codegen::{Config, ElementKernels, ElementModel};
 
 use crate::witnesses::difference;
 
-fn kernels(formulas: impl FnOnce(&ElementModel<'_>)) -> ElementKernels {
+fn kernels(formulas: impl Fn(&ElementModel<'_>)) -> ElementKernels {
     ElementKernels::new("test", formulas).unwrap()
 }
 

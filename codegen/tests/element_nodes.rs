@@ -412,7 +412,7 @@ fn conditions_with_their_jacobian() {
     assert_eq!(element.kernels.len(), 2);
 }
 
-fn error_of(formulas: impl FnOnce(&ElementModel<'_>)) -> ElementError {
+fn error_of(formulas: impl Fn(&ElementModel<'_>)) -> ElementError {
     let error = Config::new().element("test", formulas).and_then(|config| config.source()).unwrap_err();
     let ConfigError::Element { source, .. } = error else { panic!("{error}") };
     source

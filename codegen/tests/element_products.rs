@@ -10,7 +10,7 @@ use diffuse_contact_codegen::{ElementError, ElementKernels, ElementModel, Limits
 use crate::witnesses::{difference, numbers, spring, tet4};
 
 /// Products of the element with vectors against the derivatives that automatic differentiation finds, times the vectors.
-fn check(formulas: impl FnOnce(&ElementModel<'_>), inputs: &[&[f64]], nodes: &[&[f64]]) -> ElementKernels {
+fn check(formulas: impl Fn(&ElementModel<'_>), inputs: &[&[f64]], nodes: &[&[f64]]) -> ElementKernels {
     let element = ElementKernels::new("test", |m| {
         formulas(m);
         m.product();

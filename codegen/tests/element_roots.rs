@@ -11,7 +11,7 @@ use crate::witnesses::{Number, by_hyper_dual, difference, numbers, sum};
 
 /// Energy, gradient and Hessian of the graph, and the derivatives by expansions, against a function of all variables.
 fn check(
-    formulas: impl FnOnce(&ElementModel<'_>),
+    formulas: impl Fn(&ElementModel<'_>),
     x: &[f64],
     f: impl Fn(&[HyperDual<f64>]) -> HyperDual<f64>,
 ) -> Vec<(String, Vec<f64>)> {

@@ -20,13 +20,13 @@ use num_dual::{Dual64, DualNum};
 const ROUNDING: f64 = 1e-12;
 
 /// Entries of a value and of its Jacobian by the interpreter, at inputs in the order of their declaration.
-fn interpreted(formulas: impl FnOnce(&ElementModel<'_>), inputs: &[f64], value: &str) -> [Vec<f64>; 2] {
+fn interpreted(formulas: impl Fn(&ElementModel<'_>), inputs: &[f64], value: &str) -> [Vec<f64>; 2] {
     results_of_graph(formulas, Mode::Gradient, inputs, [value, &format!("{value}_jacobian")])
 }
 
 /// Entries of results by the interpreter.
 pub fn results_of_graph<const N: usize>(
-    formulas: impl FnOnce(&ElementModel<'_>),
+    formulas: impl Fn(&ElementModel<'_>),
     mode: Mode,
     inputs: &[f64],
     names: [&str; N],

@@ -242,6 +242,8 @@ pub struct Graph {
     norms: FxHashSet<SymbolId>,
     /// Whether inputs that others are divided by may be zero.
     has_free_divisors: bool,
+    /// Whether sums and products stay as they are written, but for numbers alone, 0 and 1.
+    is_as_written: bool,
     derivatives: Table<(ExprId, SymbolId), ExprId>,
     polynomials: Vec<Polynomial>,
     systems: Vec<SymmetricSystem>,

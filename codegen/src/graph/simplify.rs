@@ -81,9 +81,13 @@ impl Graph {
 
     /// x + y
     pub fn add(&mut self, x: ExprId, y: ExprId) -> ExprId {
-        self.fold_add(x, y)
-            .or_else(|| self.drop_zero_term(x, y))
-            .or_else(|| self.collect_like_terms(x, y))
+        if let Some(sum) = self.fold_add(x, y).or_else(|| self.drop_zero_term(x, y)) {
+            return sum;
+        }
+        if self.is_as_written {
+            return self.intern(Op::Add(x, y));
+        }
+        self.collect_like_terms(x, y)
             .or_else(|| self.pull_out_common_sign(x, y))
             .or_else(|| self.factor_out(x, y))
             .or_else(|| self.chain_products(x, y))
@@ -98,6 +102,9 @@ impl Graph {
 
     /// −x
     pub fn neg(&mut self, x: ExprId) -> ExprId {
+        if self.is_as_written && self.constant_value(x).is_none() {
+            return self.intern(Op::Neg(x));
+        }
         // −(−x) → x, −(c x) → (−c) x
         let minus_one = self.constant(-1.0);
         self.mul(minus_one, x)
@@ -105,6 +112,9 @@ impl Graph {
 
     /// x y
     pub fn mul(&mut self, x: ExprId, y: ExprId) -> ExprId {
+        if self.is_as_written {
+            return self.mul_as_written(x, y);
+        }
         let (coefficient, factors) = self.merged_factors(x, y);
         if coefficient == 0.0 {
             // 0 x → 0: zeros here are structural (a derivative that does not exist), not rounded values.
@@ -137,6 +147,18 @@ impl Graph {
         self.scaled(coefficient, core)
     }
 
+    fn mul_as_written(&mut self, x: ExprId, y: ExprId) -> ExprId {
+        match (self.constant_value(x), self.constant_value(y)) {
+            (Some(x), Some(y)) => self.constant(x * y),
+            (Some(0.0), _) | (_, Some(0.0)) => self.zero(),
+            (Some(1.0), _) => y,
+            (_, Some(1.0)) => x,
+            // Else it has no derivatives where it is zero.
+            _ if x == y && self.is_norm(x) => self.power(x, 2),
+            _ => self.intern(Op::Mul(x, y)),
+        }
+    }
+
     /// Where a norm stands twice among sorted factors.
     fn first_square_of_norm(&self, factors: &[ExprId]) -> Option<usize> {
         factors.windows(2).position(|pair| pair[0] == pair[1] && self.is_norm(pair[0]))
@@ -163,6 +185,7 @@ impl Graph {
         }
         match self.constant_value(y) {
             Some(1.0) => return x, // x / 1 → x
+            _ if self.is_as_written => return self.intern(Op::Div(x, y)),
             // x / 2ᵏ → 2⁻ᵏ x, exact
             Some(c) if c.is_normal() && c.to_bits().trailing_zeros() >= 52 => {
                 let reciprocal = self.constant(1.0 / c);
@@ -218,6 +241,7 @@ impl Graph {
             return self.constant(function.evaluate(value));
         }
         match (function, self.op(x)) {
+            _ if self.is_as_written => self.intern(Op::Function(function, x)),
             // ln(eˣ) → x
             (Function::Ln, Op::Exp(inner)) => inner,
             // cos(−x) → cos(x)
@@ -285,7 +309,7 @@ impl Graph {
             (_, Op::Sqrt(square)) if exponent > 0 && exponent % 2 == 0 => self.power(square, exponent / 2),
             (2, _) => self.mul(x, x),
             // (xʲ)ᵏ → xʲᵏ for integers
-            (_, Op::Power(base, inner)) => match inner.checked_mul(exponent) {
+            (_, Op::Power(base, inner)) if !self.is_as_written => match inner.checked_mul(exponent) {
                 Some(product) => self.power(base, product),
                 None => self.intern(Op::Power(x, exponent)),
             },
@@ -303,6 +327,9 @@ impl Graph {
             return self.mul(count, x); // Σ c → n c
         }
         assert_eq!(self.scope(x), Scope::Node, "a pair expression cannot be summed over the nodes");
+        if self.is_as_written {
+            return self.intern(Op::Sum(x));
+        }
         // Σ c x → c Σ x
         let (coefficient, _) = self.coefficient_and_factors(x);
         let core = self.without_coefficient(x);

@@ -92,6 +92,16 @@ impl Graph {
         self.has_free_divisors = true;
     }
 
+    /// Lets sums and products be as they are written from here on: what is compared with those that are simplified.
+    pub(crate) fn keep_as_written(&mut self) {
+        self.is_as_written = true;
+    }
+
+    /// Whether they are.
+    pub(crate) const fn is_as_written(&self) -> bool {
+        self.is_as_written
+    }
+
     /// Whether there are any.
     pub(crate) fn has_quantities(&self) -> bool {
         !self.quantities.is_empty()

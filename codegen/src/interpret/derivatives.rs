@@ -1,13 +1,13 @@
 //! Derivatives of an element's outputs by automatic differentiation of its formulas.
 
 use super::{Expansion, Interpreter, NodeInputs, Number};
-use crate::model::{Differentiated, ElementKernels, Input, Returned, Role, Signature};
+use crate::model::{Differentiated, ElementKernels, ElementSpec, Input, Kernel, Returned, Role, Signature};
 
 /// Derivatives of an element's outputs by name, in the layout of [`element_results`](super::element_results), whose arguments these are:
 /// `gradient`, `hessian`, Jacobians.
 ///
-/// They come from the expressions of the outputs, evaluated in [`Expansion`]s: a mistake in the rules of differentiation does not show here.
-/// Only the equations of unknowns that make a function stationary are derivatives of the graph's.
+/// They come from the outputs as they are written, evaluated in [`Expansion`]s: a mistake in the rules of simplification or of differentiation
+/// does not show here. Where these have no finite derivatives, as a root has none at 0, they come from the simplified outputs. Only the equations of unknowns that make a function stationary are derivatives of the graph's.
 ///
 /// # Panics
 /// If there is a number too few or too many.
@@ -16,9 +16,19 @@ pub fn element_derivatives(
     inputs: &[&[f64]],
     nodes: &[&[f64]],
 ) -> Vec<(String, Vec<f64>)> {
-    let (signature, Some(kernel)) = (&element.signature, element.kernels.first()) else {
-        return Vec::new();
-    };
+    let is_finite = |found: &[(String, Vec<f64>)]| found.iter().all(|(_, x)| x.iter().all(|x| x.is_finite()));
+    let of = |kernel: &Kernel<ElementSpec>| derivatives_of(kernel, &element.signature, inputs, nodes);
+    let written = element.written.as_ref().map(of).filter(|found| is_finite(found));
+    written.or_else(|| element.kernels.first().map(of)).unwrap_or_default()
+}
+
+/// The same of the outputs of one of the element's kernels.
+fn derivatives_of(
+    kernel: &Kernel<ElementSpec>,
+    signature: &Signature,
+    inputs: &[&[f64]],
+    nodes: &[&[f64]],
+) -> Vec<(String, Vec<f64>)> {
     let count = signature.variables() + signature.node_variables() * nodes.len();
     let once = [Vec::new()];
     let points = &signature.points;

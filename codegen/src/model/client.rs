@@ -70,7 +70,7 @@ impl ElementKernels {
         for kernel in &mut kernels {
             kernel.spec.signature = signature.clone();
         }
-        Self { signature, kernels, product: None }
+        Self { signature, kernels, product: None, written: None }
     }
 }
 

@@ -55,6 +55,8 @@ pub struct ElementKernels {
     pub kernels: Vec<Kernel<ElementSpec>>,
     /// Products of the derivatives with a vector, if they were asked for.
     pub product: Option<Kernel<ElementSpec>>,
+    /// The values, of sums and products as they are written: the witness of what constructors simplify. There is none of our own elements.
+    pub(crate) written: Option<Kernel<ElementSpec>>,
 }
 
 /// An intermediate quantity.
@@ -128,7 +130,10 @@ impl<'g> Outputs<'g> {
             }
         }
         let variables = Variables::new(self.sheet, &signature);
+        let is_written = self.sheet.graph().is_as_written();
+        let with_product = with_product && !is_written;
         let most = self.outputs.iter().map(|(value, _)| value.differentiated as usize).max().unwrap_or(0);
+        let most = if is_written { 0 } else { most };
         let by_mode = Mode::ALL[..=most]
             .iter()
             .map(|&mode| self.results(&variables, mode))
@@ -457,8 +462,22 @@ impl ElementKernels {
     ///
     /// # Errors
     /// [`ElementError`], but for its functions' length, which shows when they are written.
-    pub fn new(name: &str, formulas: impl FnOnce(&ElementModel<'_>)) -> Result<Self, ElementError> {
+    pub fn new(name: &str, formulas: impl Fn(&ElementModel<'_>)) -> Result<Self, ElementError> {
+        let mut element = Self::of_graph(Graph::new(), name, &formulas)?;
         let mut graph = Graph::new();
+        graph.keep_as_written();
+        // Where a choice of formulas looks at what they are simplified to, there may be none.
+        element.written = Self::of_graph(graph, name, &formulas)
+            .ok()
+            .and_then(|written| written.kernels.into_iter().next());
+        Ok(element)
+    }
+
+    fn of_graph(
+        mut graph: Graph,
+        name: &str,
+        formulas: impl FnOnce(&ElementModel<'_>),
+    ) -> Result<Self, ElementError> {
         graph.free_divisors();
         let finished = graph.write(|sheet| {
             let model = ElementModel::new(sheet);
@@ -490,6 +509,6 @@ impl ElementKernels {
                 return Err(ElementError::Root { root, equations });
             }
         }
-        Ok(Self { signature, kernels, product })
+        Ok(Self { signature, kernels, product, written: None })
     }
 }

@@ -238,8 +238,8 @@ impl Config {
 
     /// Adds a test of an element to the crate, in the module `name_tests`: with these inputs `evaluate` and `batch` have the values and the
     /// derivatives of the interpreter, and those of automatic differentiation of the formulas as they are written, to 1e-12 of the largest entry,
-    /// or to rounding of the largest of all results. `inputs` are the element's in the order of their declaration, each with its last dimension fastest; `nodes` has of each
-    /// node all its inputs.
+    /// or to rounding of the largest of all results. `inputs` are the element's in the order of their declaration, each with its last dimension
+    /// fastest; `nodes` has of each node all its inputs.
     ///
     /// ```
     /// # use diffuse_contact_codegen::expr::Vec3;

@@ -80,6 +80,13 @@ impl Names {
                             ImplItem::Fn(member) => self.own(&owner, &member.sig.ident),
                             ImplItem::Const(member) => self.own(&owner, &member.ident),
                             ImplItem::Type(member) => self.own(&owner, &member.ident),
+                            // Functions that are alike, such as those of options: their names stand before their arguments.
+                            ImplItem::Macro(member) => {
+                                let text = member.mac.tokens.to_string();
+                                let before =
+                                    text.split('(').filter_map(|piece| piece.split_whitespace().last());
+                                before.for_each(|name| self.own(&owner, &name));
+                            }
                             _ => {}
                         }
                     }

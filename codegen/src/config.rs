@@ -226,7 +226,8 @@ impl Config {
     /// # }
     /// ```
     ///
-    /// The formulas are called twice: what a test compares with is of sums and products as they are written.
+    /// The formulas are called twice: what a test compares with is of sums and products as they are written. They may not depend on what an
+    /// expression is simplified to.
     ///
     /// # Errors
     /// [`ConfigError::Element`], which names the element and the expression.

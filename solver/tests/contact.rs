@@ -492,6 +492,37 @@ fn thin_walls_that_went_through_one_another_are_lost() {
     }
 }
 
+/// A plate of facets that are a fifth of the face above it, which meets it two of them aside.
+#[test]
+fn a_wide_face_that_went_obliquely_through_fine_facets_is_lost() {
+    let plate = Block {
+        origin: [-1.0, -1.0, -0.3],
+        size: [3.0, 3.0, 0.3],
+        divisions: [15, 15, 1],
+        grading: [1.0; 3],
+    };
+    let plate = plate.part(ElementKind::Hexahedron8).unwrap();
+    let (first, master) = (plate.nodes.len(), plate.outside());
+    let slave = [Facet::Quadrilateral([first, first + 2, first + 3, first + 1])];
+    let corners = [0.0, 1.0].into_iter().flat_map(|y| [0.0, 1.0].map(|x| [x, y, 0.5]));
+    let nodes: Vec<Point> = plate.nodes.into_iter().chain(corners).collect();
+    let options = InteractionOptions::new("plate", PENALTY).with_integration(Integration::FACES);
+    let mut set = ContactSet::new(vec![Interaction::new(options, &master, &slave, &nodes).unwrap()]);
+    let mut lost = |by: Point| {
+        set.begin(&[Vec::new()]).unwrap();
+        set.refresh(RefreshRule::Increment, &nodes).unwrap();
+        forces(&mut set, &nodes, Mode::Gradient);
+        set.excuse();
+        let mut to = nodes.clone();
+        to[first..].iter_mut().for_each(|x| (0..3).for_each(|axis| x[axis] += by[axis]));
+        assert_eq!(forces(&mut set, &to, Mode::Gradient).1, 0);
+        set.lost(Way { from: &nodes, to: &to }).count()
+    };
+    assert_eq!(lost([0.5, 0.0, -1.2]), 4);
+    assert_eq!(lost([0.5, 0.0, 1.2]), 0);
+    assert_eq!(lost([5.0, 0.0, -1.2]), 0, "off the plate");
+}
+
 /// Facets of nodes with other numbers.
 fn moved(facets: &[Facet], first: usize) -> impl Iterator<Item = Facet> {
     facets.iter().map(move |facet| match *facet {

@@ -469,6 +469,7 @@ impl ElementKernels {
         // Where a choice of formulas looks at what they are simplified to, there may be none.
         element.written = Self::of_graph(graph, name, &formulas)
             .ok()
+            .filter(|written| written.signature == element.signature)
             .and_then(|written| written.kernels.into_iter().next());
         Ok(element)
     }

@@ -67,6 +67,14 @@ impl FaceInterface {
         self.skin.position(place.face, place.natural, positions)
     }
 
+    /// The unit normal of a place's face at these positions, zero of one without an area.
+    ///
+    /// # Panics
+    /// If there is no such face or position.
+    pub fn normal_of(&self, place: &CoveredPlace, positions: &[Point]) -> Point {
+        shape_of(&self.faces[place.face], positions).normal().into()
+    }
+
     /// How deep the face may lie below the facet and still touch it, at the positions of the master's index, length: half of the body's
     /// thickness in self contact, else up to the far side of the body.
     ///

@@ -30,6 +30,9 @@ use crate::surface::{shape_of, sort};
 use crate::vector::Vector3;
 use crate::{AffinePoint, Mode, Point};
 
+/// What a point without pressure counts for in the slip of a node that carries one, over the node's pressure.
+const LITTLE: f64 = 1e-12;
+
 /// The friction of a node and its derivatives.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Traction {
@@ -353,12 +356,12 @@ impl FaceInterface {
             FaceTrack { totals: [0.0; 4], own: of_corners(), over: of_corners() }
         };
         let mut tracks: Vec<FaceTrack> = faces.iter().map(blank).collect();
-        let is_pressed = |node: &usize| {
+        let pressure_of = |node: &usize| {
             let place = self.nodes.binary_search(node).ok();
-            place.is_some_and(|place| nodes[place].pressure > 0.0)
+            place.map(|place| nodes[place].pressure).filter(|&pressure| pressure > 0.0)
         };
-        let of_corners = |&face: &usize| self.faces[face].corners().iter().map(is_pressed).collect();
-        let pressed: Vec<Vec<bool>> = faces.iter().map(of_corners).collect();
+        let of_corners = |&face: &usize| self.faces[face].corners().iter().map(pressure_of).collect();
+        let pressed: Vec<Vec<Option<f64>>> = faces.iter().map(of_corners).collect();
         self.for_each_contact_of(faces, Mode::Gradient, results, |k, point, contact| {
             let face = faces[k];
             let own: &Carrying = &self.carriers.faces[face];
@@ -371,7 +374,12 @@ impl FaceInterface {
             let functions = shape_of(&self.faces[face], &self.positions).functions(point.natural);
             let pressure = points.pressures.get(contact.slave - self.positions.len()).map(|own| own.force);
             for (corner, n) in functions.into_iter().enumerate().take(self.faces[face].corners().len()) {
-                let weight = point.weight * n * pressure.filter(|_| pressed[k][corner]).unwrap_or(1.0);
+                // Those that are not pressed count if no other has a place.
+                let share = match (pressure, pressed[k][corner]) {
+                    (Some(own), Some(of_node)) => own.max(LITTLE * of_node),
+                    _ => 1.0,
+                };
+                let weight = point.weight * n * share;
                 tracks[k].totals[corner] += weight;
                 for (&node, part) in own.nodes().iter().zip(point.functions) {
                     tracks[k].own[corner][place(node)] += weight * part;

@@ -31,12 +31,16 @@ pub enum Parted {
     },
 }
 
+impl Parted {
+    /// The same of what moved along.
+    const fn at_most_along(self) -> Self {
+        if let Self::Through { .. } = self { Self::Along } else { self }
+    }
+}
+
 /// The part of a facet's extent, of how far masters are looked for, or of how deep slaves are found below the facet, whichever is least, that
 /// nobody penetrates and stays on his side. It is a part of the last, too: over faces their points are found, which may lie deeper than nodes.
 const THROUGH: f64 = 0.5;
-
-/// The part of the distance from an edge to the middle of a facet that counts as the facet beyond the edge.
-const BESIDE: f64 = 0.05;
 
 /// How what a slave was over is found.
 #[derive(Clone, Copy)]
@@ -88,6 +92,12 @@ impl<'a> Tracks<'a> {
             Some(NoContact::TooFar { limit, .. } | NoContact::NothingOver { limit }) => limit,
             _ => f64::INFINITY,
         };
+        // Most faces have their contact, and looking for what was below takes time.
+        if let Finder::Faces(interface, cover) = finder
+            && interface.uncovered(cover, k).next().is_none()
+        {
+            return Parted::Opened;
+        }
         let start = start.get_or_insert_with(|| Start::at(way.from, master, finder));
         let (Some(start), Some(&slave)) = (start.as_ref(), way.from.get(node)) else { return Parted::Opened };
         let facet = match start {
@@ -100,9 +110,16 @@ impl<'a> Tracks<'a> {
                 let moved = interface.uncovered(cover, k).map(|place| {
                     let at = [way.from, way.to].map(|positions| interface.position_of(&place, positions));
                     let facet = master.facet(place.facet);
-                    let parted = parted_from(&facet, way, at, || reach.min(interface.deepest(&place, index)));
-                    // What lay over a flank is not below it where the face has slid over the top.
-                    if crosses(&facet, way, at) { parted } else { Parted::Opened }
+                    // A face that slides over the top of a flank, or off it, comes below the flank's plane, too, but not as it looks.
+                    let outwards = Vector3::from(interface.normal_of(&place, way.from));
+                    let [first, last] =
+                        [way.from, way.to].map(|positions| Plane::of(&facet, positions).middle);
+                    let moved = Vector3::from(at[1]) - Vector3::from(at[0]) - (last - first);
+                    let ahead = moved.dot(&outwards);
+                    if !(ahead > (moved - outwards * ahead).norm()) {
+                        return parted_from(&facet, way, at, || f64::INFINITY).at_most_along();
+                    }
+                    parted_from(&facet, way, at, || reach.min(interface.deepest(&place, index)))
                 });
                 let worst = |one: Parted, other: Parted| if other > one { other } else { one };
                 return moved.fold(Parted::Opened, worst);
@@ -125,23 +142,6 @@ fn parted_from(facet: &Facet, way: Way<'_>, at: [Point; 2], deepest: impl FnOnce
     let along = (at_last - at_first).norm();
     let is_through = before - now > along && -now > THROUGH * extent(facet, to).min(deepest());
     if is_through { Parted::Through { depth: -now } } else { Parted::Along }
-}
-
-/// Whether a point crosses a facet on a straight way between two positions; one that begins below it does so at once.
-fn crosses(facet: &Facet, Way { from, to }: Way<'_>, at: [Point; 2]) -> bool {
-    let [before, now] =
-        [(from, at[0]), (to, at[1])].map(|(positions, x)| Plane::of(facet, positions).split(x).0);
-    let t = (before / (before - now)).clamp(0.0, 1.0);
-    let between = |one: Point, other: Point| Vector3::from(one).lerp(&Vector3::from(other), t);
-    let corners: Vec<_> = facet.corners().iter().map(|&node| between(from[node], to[node])).collect();
-    let x = between(at[0], at[1]);
-    let middle = corners.iter().sum::<Vector3<f64>>() / corners.len() as f64;
-    let edges = corners.iter().zip(corners.iter().cycle().skip(1));
-    // Seen from the middle the point is on this side of each edge, or a little beyond.
-    edges.map(|(&from, &to)| (from, to - from)).all(|(from, edge)| {
-        let inwards = middle - from - edge * (edge.dot(&(middle - from)) / edge.norm_squared());
-        inwards.dot(&(x - from)) >= -BESIDE * inwards.norm_squared()
-    })
 }
 
 /// A surface in contact with itself.

@@ -97,9 +97,9 @@ pub enum Problem {
     /// Friction is measured on a straight line from where a node was when the increment began.
     #[error(
         "this boundary condition turns by {degrees:.0}° in an increment of {increment}: with friction it has to be less than 180°, so \
-         that it is known which way slaves slide; increments have to be below {most:.4}"
+         that it is known which way slaves slide"
     )]
-    TurnsTooFar { degrees: f64, increment: f64, most: f64 },
+    TurnsTooFar { degrees: f64, increment: f64 },
     /// Two boundary conditions move one node differently; `other` is the line of the earlier one.
     #[error(
         "node {node} at ({}) is moved along {axis} by this boundary condition and, differently, by that in line {other}",

@@ -22,6 +22,7 @@ use std::path::{Path, PathBuf};
 use diffuse_contact_mesh::ElementKind;
 use toml::de::DeTable;
 
+use crate::contact::{Coefficient, Friction};
 use crate::material::Material;
 use crate::model::shape::Shape;
 use crate::model::{Amplitude, Motion, Rotation};
@@ -206,22 +207,30 @@ impl Deck {
     /// Whether no boundary turns so far in an increment that friction takes it for a turn the other way, or for none.
     fn check_turns(&self) -> Result<(), DeckError> {
         const MOST: f64 = 180.0;
-        if self.interfaces.iter().all(|interface| interface.friction.is_none()) {
+        let rubs = |friction: &Friction| friction.coefficient != Coefficient::Constant(0.0);
+        if !self.interfaces.iter().filter_map(|interface| interface.friction.as_ref()).any(rubs) {
             return Ok(());
         }
         for boundary in &self.boundaries {
             let Some((rotation, amplitude)) = &boundary.motion.rotation else { continue };
             // Increments end at the points of amplitudes.
-            for pair in amplitude.points().windows(2) {
-                let (start, end) = (pair[0], pair[1]);
-                let (duration, turn) = (end[0] - start[0], (rotation.degrees * (end[1] - start[1])).abs());
-                let increment = self.time.maximum.min(duration);
-                let degrees = turn * (increment / duration);
-                if degrees >= MOST {
-                    let most = MOST / degrees * increment;
-                    let problem = Box::new(Problem::TurnsTooFar { degrees, increment, most });
-                    return Err(DeckError::Invalid { path: self.path.clone(), line: boundary.line, problem });
+            let inner = amplitude.times().filter(|&time| 0.0 < time && time < self.time.end);
+            let times: Vec<f64> = [0.0].into_iter().chain(inner).chain([self.time.end]).collect();
+            let check = |degrees: f64, increment: f64| {
+                if degrees.abs() < MOST {
+                    return Ok(());
                 }
+                let problem = Box::new(Problem::TurnsTooFar { degrees: degrees.abs(), increment });
+                Err(DeckError::Invalid { path: self.path.clone(), line: boundary.line, problem })
+            };
+            // A factor that is not 0 at the start is a jump.
+            let first = self.time.increment.min(times[1]);
+            check(rotation.degrees * amplitude.at(first), first)?;
+            for pair in times.windows(2) {
+                let (start, end) = (pair[0], pair[1]);
+                let increment = self.time.maximum.min(end - start);
+                let turn = rotation.degrees * (amplitude.at(end) - amplitude.at(start));
+                check(turn * (increment / (end - start)), increment)?;
             }
         }
         Ok(())

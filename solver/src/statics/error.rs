@@ -82,7 +82,7 @@ fn over_border(left: &[(String, usize)]) -> String {
 const fn of_stabilisation(solutions: usize) -> &'static str {
     match solutions {
         0 => "",
-        _ => "; a part is loose, and the stabilisation that holds it carries no load",
+        _ => "; a part was loose on the way, and the stabilisation that held it carries no load",
     }
 }
 

@@ -409,6 +409,8 @@ fn a_turn_that_friction_cannot_follow_is_refused() {
         ("degrees = 720", "", "increment = 0.25"),
         ("degrees = -716", friction, "increment = 0.25"),
         ("degrees = -720", friction, "increment = 0.125"),
+        ("degrees = 720", "friction = 0.0\n", "increment = 0.25"),
+        ("degrees = 720, amplitude = [[0, 0], [1, 0], [2, 1]]", friction, "increment = 0.25"),
         // A point of the amplitude ends the increment.
         ("degrees = 720, amplitude = [[0, 0], [0.2, 0.2], [1, 0.2]]", friction, "increment = 0.25"),
     ] {
@@ -422,7 +424,12 @@ fn a_turn_that_friction_cannot_follow_is_refused() {
             "line 22: this boundary condition turns by 180° in an increment of 0.25",
         ),
         ("degrees = -1440", "increment = 0.25\nfixed = true", "turns by 360° in an increment of 0.25"),
-        ("degrees = 360", "increment = 0.125\nmaximum = 0.75", "have to be below 0.5000"),
+        ("degrees = 360", "increment = 0.125\nmaximum = 0.75", "turns by 270° in an increment of 0.75:"),
+        (
+            "degrees = 200, amplitude = [[0, 1], [1, 1]]",
+            "increment = 0.25",
+            "turns by 200° in an increment of 0.25:",
+        ),
         (
             "degrees = 400, amplitude = [[0, 0], [0.2, 0.5]]",
             "increment = 0.25",

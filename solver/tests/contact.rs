@@ -416,18 +416,12 @@ fn a_wide_face_that_went_through_a_roller_is_lost() {
         let options = InteractionOptions::new("rollers", PENALTY).with_integration(integration);
         let mut set = ContactSet::new(vec![Interaction::new(options, &master, &slave, &nodes).unwrap()]);
         let mut lost = |by: [Point; 3]| {
-            let loaded = set.loaded();
-            set.begin(&loaded).unwrap();
-            set.refresh(RefreshRule::Increment, &nodes).unwrap();
-            forces(&mut set, &nodes, Mode::Gradient);
-            set.excuse();
             let mut to = nodes.clone();
             for (k, x) in to[slave_from..].iter_mut().enumerate() {
                 (0..3).for_each(|axis| x[axis] += by[k % 3][axis]);
             }
-            forces(&mut set, &to, Mode::Gradient);
-            let lost = set.lost(Way { from: &nodes, to: &to }).map(|(_, lost)| lost.node - slave_from);
-            lost.collect::<Vec<_>>()
+            let (_, lost) = lost_between(&mut set, &nodes, &to);
+            lost.into_iter().map(|lost| lost.node - slave_from).collect::<Vec<_>>()
         };
         let [stays, down] = [[0.0; 3], [0.0, 0.0, -6.0]];
         assert_eq!(lost([down; 3]), [0, 1, 2, 3, 4, 5]);
@@ -469,16 +463,12 @@ fn thin_walls_that_went_through_one_another_are_lost() {
             .with_integration(faces)
             .with_self_contact(self_contact);
         let mut set = ContactSet::new(vec![Interaction::new(options, &master, &slave, &nodes).unwrap()]);
-        let nobody = set.loaded();
         let mut lost = |by: Point| {
-            set.begin(&nobody).unwrap();
-            set.refresh(RefreshRule::Increment, &nodes).unwrap();
-            forces(&mut set, &nodes, Mode::Gradient);
-            set.excuse();
             let mut to = nodes.clone();
             to[first..].iter_mut().for_each(|x| (0..3).for_each(|axis| x[axis] += by[axis]));
-            assert_eq!(forces(&mut set, &to, Mode::Gradient).1, 0);
-            set.lost(Way { from: &nodes, to: &to }).map(|(_, lost)| lost).collect::<Vec<_>>()
+            let (active, lost) = lost_between(&mut set, &nodes, &to);
+            assert_eq!(active, 0);
+            lost
         };
         let through = lost([0.0, 0.0, -gap - 0.25]);
         for node in below {
@@ -509,18 +499,25 @@ fn a_wide_face_that_went_obliquely_through_fine_facets_is_lost() {
     let options = InteractionOptions::new("plate", PENALTY).with_integration(Integration::FACES);
     let mut set = ContactSet::new(vec![Interaction::new(options, &master, &slave, &nodes).unwrap()]);
     let mut lost = |by: Point| {
-        set.begin(&[Vec::new()]).unwrap();
-        set.refresh(RefreshRule::Increment, &nodes).unwrap();
-        forces(&mut set, &nodes, Mode::Gradient);
-        set.excuse();
         let mut to = nodes.clone();
         to[first..].iter_mut().for_each(|x| (0..3).for_each(|axis| x[axis] += by[axis]));
-        assert_eq!(forces(&mut set, &to, Mode::Gradient).1, 0);
-        set.lost(Way { from: &nodes, to: &to }).count()
+        let (active, lost) = lost_between(&mut set, &nodes, &to);
+        assert_eq!(active, 0);
+        lost.len()
     };
     assert_eq!(lost([0.5, 0.0, -1.2]), 4);
     assert_eq!(lost([0.5, 0.0, 1.2]), 0);
     assert_eq!(lost([5.0, 0.0, -1.2]), 0, "off the plate");
+}
+
+/// Contacts that carry force at the end of an increment before which none did, and those that were lost in it.
+fn lost_between(set: &mut ContactSet, from: &[Point], to: &[Point]) -> (usize, Vec<LostContact>) {
+    set.begin(&vec![Vec::new(); set.pass_count()]).unwrap();
+    set.refresh(RefreshRule::Increment, from).unwrap();
+    forces(set, from, Mode::Gradient);
+    set.excuse();
+    let (_, active) = forces(set, to, Mode::Gradient);
+    (active, set.lost(Way { from, to }).map(|(_, lost)| lost).collect())
 }
 
 /// Facets of nodes with other numbers.

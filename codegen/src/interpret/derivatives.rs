@@ -7,7 +7,8 @@ use crate::model::{Differentiated, ElementKernels, ElementSpec, Input, Kernel, R
 /// `gradient`, `hessian`, Jacobians.
 ///
 /// They come from the outputs as they are written, evaluated in [`Expansion`]s: a mistake in the rules of simplification or of differentiation
-/// does not show here. Where these have no finite derivatives, as a root has none at 0, they come from the simplified outputs. Only the equations of unknowns that make a function stationary are derivatives of the graph's.
+/// does not show here. Where these have no finite derivatives, as a root has none at 0, they come from the simplified outputs. Only the
+/// equations of unknowns that make a function stationary are derivatives of the graph's.
 ///
 /// # Panics
 /// If there is a number too few or too many.

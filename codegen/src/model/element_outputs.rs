@@ -55,7 +55,7 @@ pub struct ElementKernels {
     pub kernels: Vec<Kernel<ElementSpec>>,
     /// Products of the derivatives with a vector, if they were asked for.
     pub product: Option<Kernel<ElementSpec>>,
-    /// The values, of sums and products as they are written: the witness of what constructors simplify. There is none of our own elements.
+    /// The values, of sums and products as they are written: the witness of what constructors simplify. A fit has none.
     pub(crate) written: Option<Kernel<ElementSpec>>,
 }
 

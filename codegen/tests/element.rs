@@ -653,6 +653,25 @@ fn a_mistake_in_a_derivative_of_the_graph_does_not_reach_automatic_differentiati
     assert_eq!(expanded(&element), right);
 }
 
+/// What is used through definitions and sums over the nodes is not among them.
+#[test]
+fn inputs_that_no_output_depends_on_are_named() {
+    let of = |formulas: fn(&ElementModel<'_>)| {
+        let element = ElementKernels::new("own", formulas).unwrap();
+        element.unused_inputs().into_iter().map(str::to_owned).collect::<Vec<_>>()
+    };
+    assert!(of(spring).is_empty() && of(tet4).is_empty());
+    let unused = of(|m| {
+        let (x, _): (Vec3<'_>, Vec3<'_>) = (m.variable("x"), m.variable("y"));
+        let [k, load, old] = m.parameters(["k", "load", "old"]);
+        let (r, _): (Expr<'_>, Expr<'_>) = (m.node_parameter("r"), m.node_parameter("s"));
+        let mean = m.define("mean", (k * r).sum());
+        m.energy(mean * x[0] + 0.0 * old);
+        m.value("level", load);
+    });
+    assert_eq!(unused, ["y", "old", "s"]);
+}
+
 #[test]
 fn the_golden_element_is_what_the_generator_emits() {
     let config = Config::new().element("spring", spring);

@@ -1,5 +1,7 @@
 //! The outputs of an element with their derivatives: from formulas to kernels.
 
+use rustc_hash::FxHashSet;
+
 use super::element::ElementModel;
 use super::element_error::ElementError;
 use super::kernel::{Kernel, Mode, Value};
@@ -396,7 +398,7 @@ fn is_never_finite(graph: &Graph, expr: ExprId, output: ExprId) -> bool {
 /// definitions in them are.
 fn differentiates_figure(x: Expr<'_>) -> bool {
     let graph = x.sheet().graph();
-    let (mut seen, mut open) = (rustc_hash::FxHashSet::default(), vec![(x.id(), false)]);
+    let (mut seen, mut open) = (FxHashSet::default(), vec![(x.id(), false)]);
     while let Some((expr, is_condition)) = open.pop() {
         if !seen.insert((expr, is_condition)) {
             continue;
@@ -472,6 +474,19 @@ impl ElementKernels {
             .filter(|written| written.signature == element.signature)
             .and_then(|written| written.kernels.into_iter().next());
         Ok(element)
+    }
+
+    /// Names of the inputs that no output depends on.
+    pub fn unused_inputs(&self) -> Vec<&str> {
+        let Some(kernel) = self.kernels.first() else { return Vec::new() };
+        let symbols = kernel.reachable().into_iter().filter_map(|expr| match kernel.graph.op(expr) {
+            Op::Symbol(symbol) => Some(kernel.graph.symbol_data(symbol).name.as_str()),
+            _ => None,
+        });
+        let used: FxHashSet<&str> = symbols.collect();
+        let inputs = self.signature.inputs.iter().chain(&self.signature.nodes);
+        let unused = inputs.filter(|input| input.symbols.iter().all(|name| !used.contains(name.as_str())));
+        unused.map(|input| input.name.as_str()).collect()
     }
 
     fn of_graph(

@@ -392,7 +392,7 @@ fn a_slave_that_went_through_is_lost_and_a_force_that_vanishes_is_named() {
 }
 
 /// Two faces eight times as long as the radius of the rollers under them: no node of theirs goes through anything. One of them does, while
-/// the other stays over its roller.
+/// the other stays over its roller. So does one face over both rollers, of which one goes through.
 #[test]
 fn a_wide_face_that_went_through_a_roller_is_lost() {
     let roller = |x: f64| {
@@ -408,13 +408,23 @@ fn a_wide_face_that_went_through_a_roller_is_lost() {
     let right_from = left.nodes.len();
     let slave_from = right_from + right.nodes.len();
     let master: Vec<Facet> = left.outside().into_iter().chain(moved(&right.outside(), right_from)).collect();
-    let slave = [0, 1].map(|k| Facet::Quadrilateral([k, k + 3, k + 4, k + 1].map(|node| slave_from + node)));
+    let face = |corners: [usize; 4]| Facet::Quadrilateral(corners.map(|node| slave_from + node));
     let strip = [0.0, 4.0].into_iter().flat_map(|y| [0.0, 8.0, 16.0].map(|x| [x, y, -1e-3]));
     let nodes: Vec<Point> = left.nodes.into_iter().chain(right.nodes).chain(strip).collect();
     let points = Integration::Faces { rule: FaceRule::Second, pressures: FacePressures::Points };
     for integration in [Integration::FACES, points] {
         let options = InteractionOptions::new("rollers", PENALTY).with_integration(integration);
-        let mut set = ContactSet::new(vec![Interaction::new(options, &master, &slave, &nodes).unwrap()]);
+        let set = |slave: &[Facet]| {
+            ContactSet::new(vec![Interaction::new(options.clone(), &master, slave, &nodes).unwrap()])
+        };
+        let mut wide = set(&[face([0, 3, 5, 2])]);
+        for (by, count) in [(6.0, 4), (-6.0, 0), (0.0, 0)] {
+            let mut to = nodes.clone();
+            to[right_from..slave_from].iter_mut().for_each(|x| x[2] += by);
+            let (_, lost) = lost_between(&mut wide, &nodes, &to);
+            assert_eq!(lost.len(), count, "{by}: {lost:?}");
+        }
+        let mut set = set(&[face([0, 3, 4, 1]), face([1, 4, 5, 2])]);
         let mut lost = |by: [Point; 3]| {
             let mut to = nodes.clone();
             for (k, x) in to[slave_from..].iter_mut().enumerate() {

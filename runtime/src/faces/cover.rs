@@ -14,6 +14,8 @@ pub struct FaceCover {
     points: Vec<FacePoint>,
     /// Of each face.
     ranges: Vec<Range<usize>>,
+    /// Which connected part of the master each facet is of.
+    parts: Vec<u32>,
 }
 
 /// A place of a slave face that lay over a facet of the master.
@@ -30,10 +32,11 @@ impl FaceInterface {
     /// The places of the faces that lie over the master at the positions of the last update.
     pub fn cover(&self) -> FaceCover {
         let ranges = self.cuts.iter().map(|cut| cut.points.clone()).collect();
-        FaceCover { points: self.points.clone(), ranges }
+        FaceCover { points: self.points.clone(), ranges, parts: self.master().parts() }
     }
 
-    /// The places around the `k`-th node that lay over the master then, of faces without contact at the last evaluation.
+    /// The places around the `k`-th node that lay over a connected part of the master then with which their face has no contact at the last
+    /// evaluation.
     ///
     /// # Panics
     /// If there is no such node, or the cover is that of other faces.
@@ -42,16 +45,21 @@ impl FaceInterface {
         cover: &'a FaceCover,
         k: usize,
     ) -> impl Iterator<Item = CoveredPlace> + 'a {
+        let part = |point: &FacePoint| cover.parts[point.facet as usize];
         let found = |&point: &usize| self.contacts.found.get(point).copied().unwrap_or(false);
-        let is_bare = move |&&face: &&u32| {
-            let face = face as usize;
-            let points = self.cuts[face].points.clone().filter(found);
-            let area: f64 = points.map(|point| self.points[point].weight).sum();
-            area <= SMALLEST_AREA * shape_of(&self.faces[face], &self.first).area_vector().norm()
-        };
-        self.around[k].iter().filter(is_bare).map(|&face| face as usize).flat_map(|face| {
+        self.around[k].iter().map(|&face| face as usize).flat_map(move |face| {
+            let least = SMALLEST_AREA * shape_of(&self.faces[face], &self.first).area_vector().norm();
+            let mut touched: Vec<(u32, f64)> = Vec::new();
+            for point in self.cuts[face].points.clone().filter(found).map(|point| &self.points[point]) {
+                match touched.iter_mut().find(|(own, _)| *own == part(point)) {
+                    Some((_, area)) => *area += point.weight,
+                    None => touched.push((part(point), point.weight)),
+                }
+            }
+            touched.retain(|&(_, area)| area > least);
             let points = cover.ranges.get(face).map_or(&[][..], |own| &cover.points[own.clone()]);
-            points.iter().map(move |&FacePoint { facet, natural, .. }| CoveredPlace {
+            let is_bare = move |point: &&FacePoint| touched.iter().all(|&(own, _)| own != part(point));
+            points.iter().filter(is_bare).map(move |&FacePoint { facet, natural, .. }| CoveredPlace {
                 face,
                 facet: facet as usize,
                 natural,

@@ -308,7 +308,7 @@ typedef struct dc_options {
     double smallest_regularity;
     // Support radius over the distance of the farthest node, above 1; not with DC_DOMAINS. Default: 1.25.
     double radius_factor;
-    // Facets that meet at a larger angle belong to different patches, degrees. Default: 45.
+    // Facets that meet at a larger angle belong to different sheets, degrees. Default: 45.
     double feature_angle_degrees;
     // How far beyond the border a foot still counts, in heights of the facet. Default: 0.01.
     double border_tolerance;

@@ -53,7 +53,7 @@ pub struct dc_options {
     pub smallest_regularity: f64,
     /// Support radius over the distance of the farthest node, above 1; not with DC_DOMAINS. Default: 1.25.
     pub radius_factor: f64,
-    /// Facets that meet at a larger angle belong to different patches, degrees. Default: 45.
+    /// Facets that meet at a larger angle belong to different sheets, degrees. Default: 45.
     pub feature_angle_degrees: f64,
     /// How far beyond the border a foot still counts, in heights of the facet. Default: 0.01.
     pub border_tolerance: f64,

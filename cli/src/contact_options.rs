@@ -29,7 +29,7 @@ pub struct ElementArguments {
     /// Planes across global axes, through the origin, in which the master goes on as its mirror image: x,y
     #[arg(long, value_name = "AXES", value_delimiter = ',', value_enum)]
     pub symmetry: Vec<Axis>,
-    /// Angle between two facets, in degrees, up to which they belong to one smooth patch
+    /// Angle between two facets, in degrees, up to which they belong to one sheet
     #[arg(long, value_name = "DEG", default_value_t = 45.0, value_parser = angle)]
     pub feature_angle: f64,
 }

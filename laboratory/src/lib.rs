@@ -1,6 +1,6 @@
 //! The laboratory: what the element and its surfaces are examined with. None of it is needed to use them.
 //!
-//! * [`check`]: every kernel against two witnesses, automatic differentiation and the interpreter of its graph;
+//! * [`check`]: every kernel against the other two witnesses, automatic differentiation and the interpreter of its graph;
 //! * `study`: accuracy, smoothness and speed of contact surfaces, and the solver on problems with known answers;
 //! * `bench`: the kernels against their rivals;
 //! * `emit`: the source of a kernel and its operation counts;

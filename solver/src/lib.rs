@@ -21,11 +21,11 @@
 //! model/      Deck → Model: nodes, bodies, node sets, surfaces            parametric shapes and mesh files; sound, as a Mesh is
 //!    │
 //! solid/      positions, states → element forces, tangents, new states    tetrahedra, wedges, hexahedra; material/ is called per point
-//! contact/    positions → contact forces and tangents                     ContactInterface, penalty or augmented Lagrangian
+//! contact/    positions → contact forces and tangents                     a Pass over nodes or faces; penalty, augmented Lagrangian, friction
 //!    │
-//! system/     blocks → sparse matrix → solution                           node-block pattern; faer, symbolic part reused
+//! system/     blocks → sparse matrix → solution                           node-block pattern; faer's factors, or Krylov's methods with multigrid/
 //!    │
-//! statics/    increments, Newton, line search, cut-back                   knows nothing of files
+//! statics/    increments, Newton, line search, cut-back, loose parts      knows nothing of files
 //!    │
 //! output/     a finished increment → history.csv, VTU, restart, summary   a file is whole or not there
 //! report/     results on disk → report.html
@@ -45,12 +45,11 @@
 //! * **Contact's tangent** is chosen when it is assembled, by the relative residual of the evaluation (`TangentRule`). A contact's force and
 //!   Hessian come from one evaluation either way.
 //! * **System.** The symmetric factorisation L B Lᵀ pivots within supernodes only. Its failures show in a lost pivot or in the residual,
-//!   which every solution is checked by; then L U is used. The condition is estimated with a load without order, of L U always and of
-//!   L B Lᵀ once for each pattern of an increment. If a body comes loose without a change of pattern, only small pivots or a large
-//!   residual reveal it; rounding can hide both.
-//! * **State.** All history lies in `State`: positions, plastic states, multipliers, counters, and which slaves carry force.
-//!   Pairings are none of it: they follow from the positions. A failed increment leaves the state untouched but for the count of
-//!   iterations. A restart leads to the same end, bit for bit.
+//!   which every solution is checked by; then L U is used. Every factorisation that is kept looks for the direction that the scaled
+//!   matrix makes least of, by up to three steps of inverse iteration. The matrix is singular at 2e-15 or below (`docs/solver.md`).
+//! * **State.** All history lies in `State`: positions, with `extrapolation` those before, plastic states, multipliers, the history of
+//!   friction, counters, and which slaves carry force. Pairings are none of it: they follow from the positions. A failed increment leaves
+//!   the state untouched but for the count of iterations. A restart leads to the same end, bit for bit.
 //! * **Files.** The recorder observes a run and writes to a `Directory`, whose files are replaced as a whole and whose tables grow by whole
 //!   lines. `state.json` comes last: an increment that it counts is on disk. The report is made from what is on disk, by the same code for
 //!   one run and for several.

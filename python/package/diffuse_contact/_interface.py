@@ -77,7 +77,7 @@ class Options:
         radius_factor: support radius over the in-plane distance of the farthest node, above 1.
         candidates: nearest nodes among which hull layers are sought.
         max_candidates: number up to which ``candidates`` is doubled.
-        feature_angle: facets that meet at a larger angle belong to different patches, degrees.
+        feature_angle: facets that meet at a larger angle belong to different sheets, degrees.
         border_tolerance: how far beyond the border a foot still counts, in heights of the facet.
         distance_limit: slaves farther away are not paired, length; None for no limit,
             over faces and in self contact for a default of their own.

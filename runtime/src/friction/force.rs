@@ -48,7 +48,8 @@ pub struct FrictionForce {
     pub factor_by_gap: f64,
     /// w, the part of the slip since the place of touch.
     pub share: f64,
-    /// Part of the slip that remains behind the slave when the step is accepted, 1 − θ = c/ε_T; 1 in stick.
+    /// Part of the slip that remains behind the slave when the step is accepted, 1 − θ = c/ε_T: w in stick, which is 1
+    /// if the contact was closed before.
     pub kept: f64,
 }
 

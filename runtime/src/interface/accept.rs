@@ -77,9 +77,10 @@ impl ContactInterface {
     /// Without a history nothing happens then.
     ///
     /// To be called once before the first step, after a refresh, and then whenever a step has converged, with the multipliers that it was
-    /// solved with: before they are updated. Until then nothing of the history changes: a host that cuts a step back has only to go
-    /// on from the positions it began with. A slave that sticks keeps its anchor; one that slides draws it along; of one that is open the
-    /// foot becomes it. A slave whose result is not known, [`NoContact::BeyondWindow`], keeps what it had.
+    /// solved with: before they are updated. Until then nothing of the history changes: a host that cuts a step back has only to go on from
+    /// the positions it began with. A slave that sticks and was closed before keeps its anchor. One that slides, or closed within the step,
+    /// draws it along; of one that is open the foot becomes it. A slave whose result is not known, [`NoContact::BeyondWindow`], keeps what
+    /// it had.
     ///
     /// # Errors
     /// As [`check_friction`](Self::check_friction); [`InterfaceError::Law`] for a law that is none; [`InterfaceError::NotRefreshed`]

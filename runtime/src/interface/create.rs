@@ -58,8 +58,10 @@ impl ContactInterface {
     /// * A facet **faces** a node if their normals are more than 96° apart, at the positions of a refresh.
     /// * It is **far along the skin** if at least three facets lie between them, and no fit over it has the node.
     /// * It is **not its back**: in the first configuration it does not lie right behind the node, within 1.5 thicknesses of the body.
-    /// * It lies **in front** of a node if the node is above it, or below it by at most half of the thickness of the body, that at the
-    ///   node or that at the facet. The thickness is that of the first configuration, and unbounded where the surface has no other side.
+    /// * It lies **in front** of a node if the node is above it and it is above the node, or below by at most half of the thickness of the
+    ///   body, at the node and at the facet. The thickness is that of the first configuration, and unbounded where the surface has no other
+    ///   side.
+    /// * It lies **below** the node, not farther aside than its own extent.
     ///
     /// Facets farther away than the distance limit, by default two mean extents of a facet, are none of them. A slave without any has
     /// [`NoContact::NothingOver`](super::NoContact::NothingOver).

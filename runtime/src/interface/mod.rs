@@ -1,7 +1,8 @@
 //! A whole contact interface: every slave node paired with the master surface, refreshed and evaluated.
 //!
 //! ```text
-//! refresh_pairing   closest facet → nodes reached from it without crossing a sharp edge → neighbour search → pairing
+//! refresh_pairing   closest facet → the nodes whose domains reach it → those near the slave's place → pairing
+//!                   (other rules: nodes reached without crossing a sharp edge → neighbour search → pairing)
 //! evaluate          element by element, in parallel, each into its own slot → Contacts
 //! ```
 //!
@@ -18,11 +19,11 @@
 //! * **Border.** A foot beyond the border of the master surface is no contact, nor is one beyond an edge
 //!   sharper than the feature angle, where the fit of one face would be extended past it. So a slave over a
 //!   sharp convex edge, seen by neither face, has no contact until it comes to lie over one of them.
-//! * **Ends of slits.** Which nodes a slave's facet reaches is a matter of distance alone: those on the far side of a slit
-//!   take part if the way around its end is over facets no farther from the slave than they are. Near the end
-//!   that is most of the far side, and the search may also take nodes far away to surround the slave where the near
-//!   ones are cut off: the fit then is over a support many facets wide, smooth across the slit. A support radius
-//!   that large, or a fallback, shows in the pairing; finer facets around the end of the slit make it small.
+//! * **Ends of slits.** By rules other than nodal domains, which nodes a slave's facet reaches is a matter of distance alone: those on the
+//!   far side of a slit take part if the way around its end is over facets no farther from the slave than they are. Near the end that is
+//!   most of the far side, and the search may also take nodes far away to surround the slave where the near ones are cut off: the fit then
+//!   is over a support many facets wide, smooth across the slit. A support radius that large, or a fallback, shows in the pairing; finer
+//!   facets around the end of the slit make it small.
 //! * **Windows.** Where nobody holds the whole master surface, an interface has a [window](crate::surface::window) of it:
 //!   [`in_window`](ContactInterface::in_window).
 //! * **Threads.** Results and reports are the same, bit for bit, for any number of threads. Work is done in the

@@ -88,8 +88,8 @@ impl ContactElement {
 pub struct InterfaceOptions {
     /// The element of every slave node.
     pub element: ContactElement,
-    /// Two facets belong to one smooth patch if the angle between their normals does not exceed this, in
-    /// degrees from 0 to 180. A patch ends at sharper edges as it does at a border.
+    /// Two facets belong to one sheet if the angle between their normals does not exceed this, in
+    /// degrees from 0 to 180. A sheet ends at sharper edges as it does at a border.
     pub feature_angle_degrees: f64,
     /// A foot counts as on the border until it lies beyond it by this fraction of the facet's height over the
     /// border edge; at least 0.

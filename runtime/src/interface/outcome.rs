@@ -44,7 +44,7 @@ pub enum NoContact {
     /// No set of master nodes on the slave's side of sharp edges carries a fit.
     #[error("no candidate: {reason}")]
     NoCandidate { reason: NeighbourhoodError },
-    /// The foot lies beyond the border of the master surface, or beyond a sharp edge that ends the smooth patch. The same is said, at a
+    /// The foot lies beyond the border of the master surface, or beyond a sharp edge that ends the sheet. The same is said, at a
     /// refresh, of a slave that lies beyond it by more than a facet, and of one that lies beyond it and whose element has no result.
     /// `distance` is measured in the plane of the facet.
     #[error("the foot lies {distance:e} heights of a facet beyond the border, tolerance {tolerance:e}")]

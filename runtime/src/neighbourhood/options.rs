@@ -26,7 +26,7 @@ pub const SMALLEST_REGULARITY: f64 = 0.01;
 #[non_exhaustive]
 pub enum NeighbourRule {
     /// All nodes of the slave's sheet within whose domain of influence it lies. Domains belong to the nodes of a surface
-    /// (`docs/equations.md`, \[T14\]): nothing else is chosen, so the gap does not jump. Only whole interfaces have
+    /// (`docs/equations.md`, \[T18\]): nothing else is chosen, so the gap does not jump. Only whole interfaces have
     /// it; a [`NeighbourSearch`](super::NeighbourSearch) in a cloud of nodes has none.
     Domains,
     /// The nodes of the first hull layers.

@@ -20,7 +20,7 @@ fn is_farther(distance: f64, least: f64, extent: f64) -> bool {
     distance > least + TIE * (least + extent)
 }
 
-/// Which edges end a smooth patch: borders, and edges sharper than the feature angle at the positions of a refresh.
+/// Which edges end a sheet: borders, and edges sharper than the feature angle at the positions of a refresh.
 #[derive(Clone, Debug, Default)]
 pub struct Creases {
     /// Per facet, bit k for the edge from corner k to the next.

@@ -1,4 +1,4 @@
-//! Whether fits are well conditioned, and how large domains have to be for that (`docs/equations.md`, [T14]).
+//! Whether fits are well conditioned, and how large domains have to be for that (`docs/equations.md`, [T18]).
 
 use super::sheets::Carried;
 use crate::Weight;

@@ -6,10 +6,10 @@
 //!
 //! * [`SurfaceIndex::closest`]: the closest point of the surface for any grading, ties decided by a rule; exact
 //!   on triangles and plane quadrilaterals, on warped ones the best of the edges and of the foot found from the middle.
-//! * Crossing an edge: two facets belong to one smooth patch if the angle between their normals does not exceed the
+//! * Crossing an edge: two facets belong to one sheet if the angle between their normals does not exceed the
 //!   feature angle. What lies beyond a sharper edge, or on the far face of a thin plate, takes no part in a fit.
 //! * Border: a point is beyond the border if the closest point of the surface lies on an edge that ends the
-//!   patch, and the point lies farther out than that in the plane of the facet.
+//!   sheet, and the point lies farther out than that in the plane of the facet.
 //! * [`window`]: what some slaves can need of a surface, where nobody holds the whole.
 //! * [`tributary_areas`]: the area that belongs to each slave node.
 //!

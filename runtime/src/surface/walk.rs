@@ -1,4 +1,4 @@
-//! From facet to facet without crossing a sharp edge: the nodes that make up one smooth patch with the closest
+//! From facet to facet without crossing a sharp edge: the nodes that make up one sheet with the closest
 //! facet.
 //!
 //! Only distance decides which way around the end of a slit counts: a node beyond the slit belongs to the patch as soon as

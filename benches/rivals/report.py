@@ -234,8 +234,8 @@ def text(result):
     found = result["interface"]
     parts += [
         "## A whole interface",
-        f"`cargo lab study throughput`: {found['nodes']:,.0f} slaves over as many master nodes, {found['masters']:.1f} "
-        "masters each, the frame moving along, one thread. Elements of nearly as many masters are gathered from "
+        f"`cargo lab study throughput`: {found['nodes']:,.0f} slaves over as many master nodes, nodal domains "
+        f"(the default), {found['masters']:.1f} masters each, one thread. Elements of nearly as many masters are gathered from "
         "the positions into vectors and evaluated side by side; results go straight to each slave's place in the arrays that "
         "assembly reads.",
         whole_interface(found),

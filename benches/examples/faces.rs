@@ -95,7 +95,7 @@ struct Patches {
 }
 
 const MASTERS: usize = 9;
-/// Fused multiply-adds a nanosecond of the machine that goals in µs are for, see docs/results/performance.md.
+/// Fused multiply-adds a nanosecond of the machine that goals in µs are for, see benches/rivals/reach.py.
 const ASKED_PEAK: f64 = 56.0;
 const ELEMENTS: usize = 512;
 /// As in `benches/src/batch.rs`: results stay in the cache.

@@ -418,6 +418,7 @@ def page(found):
             found["bytes"]["hex8"] <= 1e5,
         ],
     ]
+    print(table(["", "goal", "measured", ""], [row[:3] + ["✓" if row[3] else "✗"] for row in asked]))
     columns = ["", "lines", "operations", "functions", "differentiate, write", "compile", "an element"]
     return f"""# An element of one's own beside rivals
 
@@ -436,10 +437,8 @@ rounds. [An element of your own](../how-to/own-element.md) shows the formulas.
 * SymX's figures are its authors' (ACM TOG 45(1):5, 2026), on one thread of a Ryzen 9 5900X with AVX2: another machine.
   Its batch takes {SYMX['batch']} ns. This generator's batch takes {duration(batch)} here in Rust, and {duration(ns['C batch'])} in C.
 
-## Goals
-
-{table(["", "goal", "measured", ""], [row[:3] + ["✓" if row[3] else "✗"] for row in asked])}
-This machine does {found["peak"]:.1f} fused multiply-adds a nanosecond; the hexahedron takes {duration(hexahedron)} here.
+A hexahedron with eight points takes {duration(hexahedron)} in batches, its functions take {kilobytes(found["bytes"]["hex8"])}, all modes
+and instructions. This machine does {found["peak"]:.1f} fused multiply-adds a nanosecond.
 
 {platform.system()} {platform.machine()}, {isa}, {version("rustc")}, {version("gcc")}, CasADi {ca.__version__}, SymPy {sp.__version__},
 wrenfold {importlib.metadata.version('wrenfold')}.

@@ -96,8 +96,8 @@ pub enum Problem {
     NoHexahedra { part: String },
     /// Friction is measured on a straight line from where a node was when the increment began.
     #[error(
-        "this boundary condition turns by {degrees:.0}° in an increment of {increment}: with friction it has to be less than 180°, so \
-         that it is known which way slaves slide"
+        "this boundary condition turns by {degrees:.0}° in an increment of {increment}, or against an earlier one: with friction it has to \
+         be less than 180°, so that it is known which way slaves slide"
     )]
     TurnsTooFar { degrees: f64, increment: f64 },
     /// Two boundary conditions move one node differently; `other` is the line of the earlier one.

@@ -20,6 +20,7 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 use diffuse_contact_mesh::ElementKind;
+use nalgebra::Vector3;
 use toml::de::DeTable;
 
 use crate::contact::{Coefficient, Friction};
@@ -204,34 +205,50 @@ impl Deck {
 }
 
 impl Deck {
-    /// Whether no boundary turns so far in an increment that friction takes it for a turn the other way, or for none.
+    /// Whether no boundary turns so far in an increment, against what stands still or another boundary, that friction takes it for a turn the
+    /// other way, or for none.
     fn check_turns(&self) -> Result<(), DeckError> {
         const MOST: f64 = 180.0;
         let rubs = |friction: &Friction| friction.coefficient != Coefficient::Constant(0.0);
         if !self.interfaces.iter().filter_map(|interface| interface.friction.as_ref()).any(rubs) {
             return Ok(());
         }
-        for boundary in &self.boundaries {
-            let Some((rotation, amplitude)) = &boundary.motion.rotation else { continue };
-            // Increments end at the points of amplitudes.
-            let inner = amplitude.times().filter(|&time| 0.0 < time && time < self.time.end);
-            let times: Vec<f64> = [0.0].into_iter().chain(inner).chain([self.time.end]).collect();
-            let check = |degrees: f64, increment: f64| {
-                if degrees.abs() < MOST {
-                    return Ok(());
+        let turning: Vec<(usize, Vector3<f64>, &Amplitude)> = self
+            .boundaries
+            .iter()
+            .filter_map(|boundary| {
+                let (rotation, amplitude) = boundary.motion.rotation.as_ref()?;
+                Some((boundary.line, Vector3::from(rotation.axis).normalize() * rotation.degrees, amplitude))
+            })
+            .collect();
+        // Increments end at the points of amplitudes.
+        let points = turning.iter().flat_map(|(.., amplitude)| amplitude.times());
+        let inner = points.filter(|&time| 0.0 < time && time < self.time.end);
+        let mut times: Vec<f64> = [0.0].into_iter().chain(inner).chain([self.time.end]).collect();
+        times.sort_by(f64::total_cmp);
+        times.dedup();
+        // A factor that is not 0 at the start is a jump.
+        let first = self.time.increment.min(times[1]);
+        let check = |increment: f64, factor: &dyn Fn(&Amplitude) -> f64| {
+            let mut before = vec![Vector3::zeros()];
+            for &(line, turn, amplitude) in &turning {
+                let turn = turn * factor(amplitude);
+                let degrees = before.iter().map(|other| (turn - other).norm()).fold(0.0, f64::max);
+                if !(degrees < MOST) {
+                    let problem = Box::new(Problem::TurnsTooFar { degrees, increment });
+                    return Err(DeckError::Invalid { path: self.path.clone(), line, problem });
                 }
-                let problem = Box::new(Problem::TurnsTooFar { degrees: degrees.abs(), increment });
-                Err(DeckError::Invalid { path: self.path.clone(), line: boundary.line, problem })
-            };
-            // A factor that is not 0 at the start is a jump.
-            let first = self.time.increment.min(times[1]);
-            check(rotation.degrees * amplitude.at(first), first)?;
-            for pair in times.windows(2) {
-                let (start, end) = (pair[0], pair[1]);
-                let increment = self.time.maximum.min(end - start);
-                let turn = rotation.degrees * (amplitude.at(end) - amplitude.at(start));
-                check(turn * (increment / (end - start)), increment)?;
+                before.push(turn);
             }
+            Ok(())
+        };
+        check(first, &|amplitude| amplitude.at(first))?;
+        for pair in times.windows(2) {
+            let (start, end) = (pair[0], pair[1]);
+            let increment = self.time.maximum.min(end - start);
+            check(increment, &|amplitude| {
+                (amplitude.at(end) - amplitude.at(start)) * (increment / (end - start))
+            })?;
         }
         Ok(())
     }

@@ -424,19 +424,34 @@ fn a_turn_that_friction_cannot_follow_is_refused() {
             "line 22: this boundary condition turns by 180° in an increment of 0.25",
         ),
         ("degrees = -1440", "increment = 0.25\nfixed = true", "turns by 360° in an increment of 0.25"),
-        ("degrees = 360", "increment = 0.125\nmaximum = 0.75", "turns by 270° in an increment of 0.75:"),
+        ("degrees = 360", "increment = 0.125\nmaximum = 0.75", "turns by 270° in an increment of 0.75,"),
         (
             "degrees = 200, amplitude = [[0, 1], [1, 1]]",
             "increment = 0.25",
-            "turns by 200° in an increment of 0.25:",
+            "turns by 200° in an increment of 0.25,",
         ),
         (
             "degrees = 400, amplitude = [[0, 0], [0.2, 0.5]]",
             "increment = 0.25",
-            "turns by 200° in an increment of 0.2:",
+            "turns by 200° in an increment of 0.2,",
         ),
     ] {
         let found = Deck::parse(&with(rotate, friction, time)).unwrap_err().to_string();
         assert!(found.contains(said), "{found}\ndoes not contain\n{said}");
+    }
+    // Two of them: against one another, and along.
+    let both = |axis: &str| {
+        let text = with("degrees = 400", friction, "increment = 0.25");
+        let other = format!("rotate = {{ axis = {axis}, degrees = 400 }}");
+        Deck::parse(&text.replacen(
+            "[[boundary]]",
+            &format!("[[boundary]]\nnodes = \"block.z+\"\n{other}\n\n[[boundary]]"),
+            1,
+        ))
+    };
+    assert!(both("[0, 0, 3]").is_ok());
+    for (axis, degrees) in [("[0, 0, -1]", 200), ("[0, -1, -1]", 185)] {
+        let found = both(axis).unwrap_err().to_string();
+        assert!(found.contains(&format!("turns by {degrees}° in an increment of 0.25")), "{found}");
     }
 }

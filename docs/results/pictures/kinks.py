@@ -15,11 +15,15 @@ import subprocess
 import sys
 import tempfile
 
-HERE = pathlib.Path(__file__).resolve().parent
+from drawing import COLOURS, FAINT, INK, dashed, dot, path, text, write
+
 RADIUS, CELL, CELLS, ROWS, WIDTH = 100.0, 24.0, 8, 6, 42.0
 # The part that is shown, degrees from the top, and its slave nodes.
 SHOWN, STEPS = 42.0, 336
-SMOOTH, FACETS, INK = "#b2182b", "#2166ac", "#333"
+SMOOTH, FACETS = COLOURS["smooth"], COLOURS["facets"]
+# Place of the facets' edges, degrees, and length of the normals that are drawn, pixels.
+EDGES, NORMAL = (-1.5 * CELL, -0.5 * CELL, 0.5 * CELL, 1.5 * CELL), 36
+PLACES = [SHOWN * (2 * k / STEPS - 1) for k in range(STEPS + 1)]
 
 
 def around(degrees, radius, y):
@@ -83,60 +87,85 @@ def section(program, element):
     return [(x, z) for x, _, z in feet[: STEPS + 1]], angles[: STEPS + 1]
 
 
-def path(points, colour, width=2.0):
-    """A curve."""
-    steps = " ".join(f"{x:.1f},{y:.1f}" for x, y in points)
-    return f'<polyline points="{steps}" fill="none" stroke="{colour}" stroke-width="{width}"/>'
-
-
-def text(x, y, words, colour=INK, anchor="start"):
-    """A line of text."""
-    return f'<text x="{x}" y="{y}" fill="{colour}" text-anchor="{anchor}">{words}</text>'
+def signed(degrees):
+    """A tick."""
+    return f"{degrees}".replace("-", "−")
 
 
 def shape(x, y, curve, colour):
-    """The section of a surface with its normals; x, y is where its highest point is drawn."""
+    """The section of a surface with its normals; x, y is where the cylinder's highest point is drawn."""
     feet, angles = curve
     scale = 2.9
-    place = [(x + scale * a, y + scale * (RADIUS - b)) for a, b in feet]
-    drawn = [path(place, colour, 2.5)]
-    for k in range(8, STEPS, 16):
-        (a, b), angle = place[k], math.radians(angles[k])
-        tip = (a + 34 * math.sin(angle), b - 34 * math.cos(angle))
-        drawn.append(path([(a, b), tip], colour, 1.2))
+    at = lambda a, b: (x + scale * a, y + scale * (RADIUS - b))
+    tip = lambda place, angle, length: (
+        place[0] + length * math.sin(math.radians(angle)),
+        place[1] - length * math.cos(math.radians(angle)),
+    )
+    place = [at(a, b) for a, b in feet]
+    drawn = []
+    nodes = [at(*around(edge, RADIUS, 0.0)[::2]) for edge in EDGES]
+    for edge, node in zip(EDGES, nodes):
+        # What the normal leaves out: from the one before the edge to the one behind it.
+        before, behind = (angles[round((edge + SHOWN + side) * STEPS / (2 * SHOWN))] for side in (-1.0, 1.0))
+        if behind - before > CELL / 2:
+            arc = [tip(node, before + (behind - before) * k / 12, NORMAL) for k in range(13)]
+            drawn.append(path([node, *arc, node], "none", 0, colour, ' fill-opacity="0.16"'))
+            drawn += [path([node, tip(node, angle, NORMAL)], colour, 1.3) for angle in (before, behind)]
+    drawn += [path([place[k], tip(place[k], angles[k], NORMAL)], colour, 1.3) for k in range(0, STEPS + 1, 16)]
+    drawn.append(path(place, colour, 3))
+    drawn += map(dot, nodes)
+    return drawn
+
+
+def unbroken(points):
+    """The parts of a curve between its jumps."""
+    parts = [[points[0]]]
+    for before, point in zip(points, points[1:]):
+        if abs(point[1] - before[1]) > CELL / 4:
+            parts.append([])
+        parts[-1].append(point)
+    return parts
+
+
+def chart(left, right, top, bottom, curves):
+    """Directions of normals over the place, by name and colour."""
+    across = lambda degrees: left + (right - left) * (degrees + SHOWN) / (2 * SHOWN)
+    up = lambda degrees: (top + bottom) / 2 - (bottom - top) * degrees / (2 * 54)
+    drawn = []
+    for value in (-40, -20, 0, 20, 40):
+        drawn.append(path([(left, up(value)), (right, up(value))], FAINT, 1))
+        drawn.append(text(left - 8, up(value) + 5, signed(value), anchor="end"))
+        drawn.append(path([(across(value), bottom), (across(value), bottom + 5)], INK, 1))
+        drawn.append(text(across(value), bottom + 21, signed(value), anchor="middle"))
+    for edge in EDGES:
+        drawn.append(dashed([(across(edge), top), (across(edge), bottom)], "#999"))
+    drawn.append(path([(left, top), (left, bottom), (right, bottom)], INK, 1))
+    for angles, colour in curves:
+        for part in unbroken(list(zip(PLACES, angles))):
+            drawn.append(path([(across(a), up(b)) for a, b in part], colour, 3))
+    middle = (top + bottom) / 2
+    drawn += [
+        text((left + right) / 2, bottom + 44, "place on the cylinder, degrees from the top", anchor="middle"),
+        text(left - 48, middle, "direction of the normal, degrees", anchor="middle",
+             more=f' transform="rotate(-90 {left - 48} {middle})"'),
+        text(across(-34), up(33), "facets: it jumps at each edge", FACETS),
+        text(across(0), up(-37), "smooth surface: it turns", SMOOTH),
+    ]
     return drawn
 
 
 def main():
     program = sys.argv[1] if len(sys.argv) > 1 else "target/release/diffuse-contact"
     facets, smooth = section(program, "node-to-facet"), section(program, "diffuse")
-    lines = [
-        '<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 960 380" width="960" height="380" '
-        'font-family="sans-serif" font-size="15">',
-        '<rect width="100%" height="100%" fill="#fff"/>',
-        text(20, 26, f"normals along facets of {CELL:.0f}°", FACETS),
-        text(20, 206, "normals along the smooth surface from the same nodes", SMOOTH),
+    parts = [
+        text(16, 26, f"Facets of {CELL:.0f}° and their normals", FACETS),
+        text(16, 222, "The smooth surface from the same nodes and its normals", SMOOTH),
+        *shape(232, 88, facets, FACETS),
+        text(352, 54, f"a jump of {CELL:.0f}°", FACETS),
+        *shape(232, 284, smooth, SMOOTH),
+        *chart(586, 936, 22, 338, [(facets[1], FACETS), (smooth[1], SMOOTH)]),
     ]
-    lines += shape(225, 88, facets, FACETS) + shape(225, 268, smooth, SMOOTH)
-
-    # Direction of the normal against the place on the arc.
-    left, right, top, bottom = 560, 930, 50, 330
-    across = lambda degrees: left + (right - left) * (degrees + SHOWN) / (2 * SHOWN)
-    up = lambda degrees: (top + bottom) / 2 - (bottom - top) * degrees / (2 * 52)
-    for value in (-40, -20, 0, 20, 40):
-        lines.append(path([(left, up(value)), (right, up(value))], "#ddd", 1))
-        lines.append(text(left - 8, up(value) + 5, f"{value}°", anchor="end"))
-        lines.append(text(across(value), bottom + 20, f"{value}°", anchor="middle"))
-    places = [SHOWN * (2 * k / STEPS - 1) for k in range(STEPS + 1)]
-    for (_, angles), colour in ((facets, FACETS), (smooth, SMOOTH)):
-        lines.append(path([(across(a), up(b)) for a, b in zip(places, angles)], colour, 2.5))
-    lines += [
-        text(left, 26, "direction of the normal over the place on the cylinder"),
-        text(across(-36), up(32), "facets jump at every edge", FACETS),
-        text(across(2), up(-24), "the smooth surface turns", SMOOTH),
-        "</svg>",
-    ]
-    (HERE / "kinks.svg").write_text("\n".join(lines) + "\n", encoding="utf-8")
+    write("kinks.svg", (960, 400), parts)
 
 
 if __name__ == "__main__":

@@ -160,9 +160,9 @@ fn a_sweep_leaves_its_files() {
     assert_eq!(stdout.lines().filter(|line| line.contains('°')).count(), cases, "{stdout}");
     let picture = std::fs::read_to_string(&picture).unwrap();
     assert!(picture.starts_with("<svg") && picture.trim_end().ends_with("</svg>"));
-    // Three curves in both panels, and in the legend.
-    for colour in ["#D55E00", "#0072B2", "#009E73"] {
-        assert_eq!(picture.matches(colour).count(), 3, "{colour}");
+    // Four curves in both panels, and in their legends.
+    for colour in ["#D55E00", "#56B4E9", "#E69F00", "#0072B2"] {
+        assert_eq!(picture.matches(colour).count(), 4, "{colour}");
     }
     let csv = std::fs::read_to_string(&csv).unwrap();
     assert_eq!(csv.lines().count(), 1 + 100 * cases);
@@ -225,11 +225,21 @@ fn the_examples_of_the_paper_are_run() {
     let links = document.split("](").skip(1).map(|rest| rest.split(')').next().unwrap());
     let pictures: Vec<&str> = links.filter(|link| link.starts_with("pictures/")).collect();
     assert!(pictures.len() >= 4, "{pictures:?}");
-    for picture in pictures {
+    for picture in &pictures {
         let svg = std::fs::read_to_string(scratch.path(&format!("docs/{picture}"))).unwrap();
         assert!(svg.starts_with("<svg") && !svg.contains("NaN"), "{picture}");
     }
     assert!(!document.split_whitespace().any(|word| ["NaN", "inf", "-inf"].contains(&word)));
+    // The pictures alone are the same ones.
+    let arguments = ["study", "paper", "--quick", "--pictures", "figures"];
+    let Run { code, stdout, stderr } = run_in(&scratch, &arguments);
+    assert_eq!((code, stdout.as_str(), without_progress(&stderr).as_str()), (0, "", ""));
+    for picture in pictures {
+        let name = picture.trim_start_matches("pictures/");
+        let [alone, other] = [format!("figures/{name}"), format!("docs/{picture}")]
+            .map(|path| std::fs::read_to_string(scratch.path(&path)).unwrap());
+        assert_eq!(alone, other, "{name}");
+    }
     // The decks are ones that `solve` takes.
     let deck = scratch.path("decks/pipe_pinch-coarse-2e6-pipe-facets.toml");
     assert!(std::fs::read_to_string(&deck).unwrap().contains("node-to-facet"));

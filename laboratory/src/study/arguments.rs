@@ -46,6 +46,9 @@ pub struct PaperArguments {
     /// Markdown to write, with its figures in `pictures/` beside it [default: standard output, without figures]
     #[arg(short, long, value_name = "FILE.md")]
     pub output: Option<PathBuf>,
+    /// Directory for the figures alone, by the runs that they need
+    #[arg(long, value_name = "DIR", conflicts_with = "output")]
+    pub pictures: Option<PathBuf>,
     /// Directory for the decks that are run, to be run with `solve`
     #[arg(long, value_name = "DIR")]
     pub decks: Option<PathBuf>,

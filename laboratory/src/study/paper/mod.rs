@@ -15,7 +15,7 @@ mod sliding;
 mod steps;
 mod tangents;
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use super::arguments::PaperArguments;
 use crate::error::CliError;
@@ -25,11 +25,13 @@ use crate::threads::with_threads;
 
 use case::{Case, Outcome};
 
+/// File names and contents.
+type Pictures = Vec<(&'static str, String)>;
+
 /// A part of the document.
 struct Chapter {
     text: String,
-    /// File names and contents.
-    pictures: Vec<(&'static str, String)>,
+    pictures: Pictures,
 }
 
 /// Runs decks, and writes them if that is asked for.
@@ -55,13 +57,20 @@ pub fn run(arguments: &PaperArguments) -> Result<(), CliError> {
         output::check_target(path)?;
     }
     let scope = pinch::Scope::new(arguments.quick);
-    let decks = Decks {
-        directory: arguments.decks.clone(),
-        bar: logged(
-            "runs",
-            cylinder::cases().len() + scope.runs() + sliding::runs(&scope) + tangents::runs(&scope),
-        ),
+    let count = if arguments.pictures.is_some() {
+        cylinder::cases().len() + scope.drawn_runs() + tangents::DRAWN_RUNS
+    } else {
+        cylinder::cases().len() + scope.runs() + sliding::runs(&scope) + tangents::runs(&scope)
     };
+    let decks = Decks { directory: arguments.decks.clone(), bar: logged("runs", count) };
+    if let Some(folder) = &arguments.pictures {
+        let drawn = with_threads(Some(1), || {
+            let (pinch, tangents) = (pinch::pictures(&decks, &scope)?, tangents::pictures(&decks, &scope)?);
+            Ok([cylinder::pictures(&decks)?, pinch, tangents].concat())
+        })?;
+        decks.bar.finish_and_clear();
+        return write_to(folder, &drawn);
+    }
     let chapters = with_threads(Some(1), || {
         Ok([
             cylinder::chapter(&decks)?,
@@ -84,12 +93,19 @@ pub fn run(arguments: &PaperArguments) -> Result<(), CliError> {
     let Some(path) = &arguments.output else {
         return output::write_stdout(|writer| writer.write_all(document.as_bytes()));
     };
-    let folder = path.parent().unwrap_or(std::path::Path::new("")).join("pictures");
-    std::fs::create_dir_all(&folder).map_err(|reason| CliError::Write { path: folder.clone(), reason })?;
-    for (name, picture) in chapters.iter().flat_map(|chapter| &chapter.pictures) {
-        output::write_file(&folder.join(name), |writer| writer.write_all(picture.as_bytes()))?;
+    let folder = path.parent().unwrap_or(Path::new("")).join("pictures");
+    for chapter in &chapters {
+        write_to(&folder, &chapter.pictures)?;
     }
     output::write_file(path, |writer| writer.write_all(document.as_bytes()))
+}
+
+fn write_to(folder: &Path, pictures: &Pictures) -> Result<(), CliError> {
+    std::fs::create_dir_all(folder).map_err(|reason| CliError::Write { path: folder.into(), reason })?;
+    for (name, picture) in pictures {
+        output::write_file(&folder.join(name), |writer| writer.write_all(picture.as_bytes()))?;
+    }
+    Ok(())
 }
 
 fn introduction(is_quick: bool) -> String {

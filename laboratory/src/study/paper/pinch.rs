@@ -2,13 +2,13 @@
 
 use std::fmt::Write as _;
 
-use plotters::chart::SeriesLabelPosition;
-
 use super::case::{Case, Outcome, saving};
-use super::plot::{Outline, counts, figure, shapes};
-use super::{Chapter, Decks, steps};
+use super::plot::{Axes, Body, Face, figure, shapes};
+use super::{Chapter, Decks, Pictures, steps};
 use crate::error::CliError;
+use crate::study::StudyError;
 use crate::study::markdown::Table;
+use crate::study::plot::{COLOURS, Curve, Mark, Scale};
 
 const ELASTIC: &str = include_str!("../../../../examples/pipe_pinch.toml");
 const PLASTIC: &str = include_str!("../../../../examples/pipe_pinch_plastic.toml");
@@ -83,6 +83,11 @@ impl Scope {
         2 * self.meshes.len() * self.penalties.len() * 4 + 2 * REFRESHED.len() + steps::runs(self)
     }
 
+    /// Number of runs of the figures.
+    pub const fn drawn_runs(&self) -> usize {
+        2 * (2 + self.meshes.len())
+    }
+
     /// The finest mesh.
     pub fn finest(&self) -> Mesh {
         self.meshes[self.meshes.len() - 1]
@@ -130,29 +135,80 @@ pub fn chapter(decks: &Decks, scope: &Scope) -> Result<Chapter, CliError> {
     let plastic = pairs(decks, scope, Pipe::Plastic, scope.meshes)?;
     let refreshed = refreshed(decks, scope)?;
     let longer = steps::table(decks, scope)?;
-    let shown = elastic.iter().filter(|pair| pair.master == Master::Pipe && pair.penalty == scope.stiffest());
-    let curves = shown.flat_map(|pair| {
-        [("diffuse", &pair.diffuse), ("facets", &pair.classic)]
-            .map(|(element, outcome)| (format!("{element}, {}", pair.mesh.name), cumulated(outcome)))
-    });
-    let title = "Iterations of the elastic pinch, pipe as master, stiffest penalty";
-    let axes = ["displacement of the plate, mm", "iterations so far"];
-    let iterations = figure(title, axes, counts, SeriesLabelPosition::LowerRight, curves)?;
-    let mut pictures = vec![("paper-iterations.svg", iterations)];
-    for (name, title, pairs, end) in [
-        ("paper-pinch-elastic.svg", "Elastic, side z = 0", &elastic, 80.0),
-        ("paper-pinch-plastic.svg", "Elastoplastic, side z = 0", &plastic, 100.0),
-    ] {
-        let Some(Pair { diffuse: outcome, .. }) = pairs.first() else { continue };
-        let last = outcome.positions.len().saturating_sub(1);
-        let mut parts = vec![("start".to_owned(), outlines(outcome, &outcome.start))];
-        parts.extend([last / 2, last].map(|k| {
-            let reached = end * outcome.increments[k].time;
-            (format!("{reached:.0} mm"), outlines(outcome, &outcome.positions[k]))
-        }));
-        pictures.push((name, shapes(title, &parts)?));
-    }
+    let stiffest = scope.stiffest();
+    let is_shown = |pair: &&Pair| pair.master == Master::Pipe && pair.penalty == stiffest;
+    let softest = [&elastic[..], &plastic].map(|pairs| pairs.first());
+    let pictures = drawn(scope, elastic.iter().filter(is_shown), softest)?;
     Ok(Chapter { text: text(&elastic, &plastic, &refreshed, &longer), pictures })
+}
+
+/// The figures alone.
+pub fn pictures(decks: &Decks, scope: &Scope) -> Result<Pictures, CliError> {
+    let run = |pipe, mesh, penalty| pair(decks, scope, pipe, (mesh, penalty, Master::Pipe));
+    let mut stiff = Vec::new();
+    for &mesh in scope.meshes {
+        stiff.push(run(Pipe::Elastic, mesh, scope.stiffest())?);
+    }
+    let soft = |pipe| run(pipe, scope.coarsest(), scope.penalties[0]);
+    let (elastic, plastic) = (soft(Pipe::Elastic)?, soft(Pipe::Plastic)?);
+    Ok(drawn(scope, stiff.iter(), [Some(&elastic), Some(&plastic)])?)
+}
+
+/// `stiff`: with the stiffest penalty, by mesh. `soft`: on the coarsest mesh with the softest one, elastic and elastoplastic.
+fn drawn<'a>(
+    scope: &Scope,
+    stiff: impl Iterator<Item = &'a Pair>,
+    soft: [Option<&Pair>; 2],
+) -> Result<Pictures, StudyError> {
+    let mut pictures = vec![("paper-iterations.svg", iterations(scope.stiffest(), stiff)?)];
+    let kinds =
+        [("paper-pinch-elastic.svg", "Elastic", 80.0), ("paper-pinch-plastic.svg", "Elastoplastic", 100.0)];
+    for ((name, kind, end), pair) in kinds.into_iter().zip(soft) {
+        if let Some(Pair { mesh, penalty, diffuse, .. }) = pair {
+            let title = format!(
+                "{kind} pinch, {} mesh, penalty {penalty:.0e} N/mm, smooth surface: the side z = 0",
+                mesh.name
+            );
+            pictures.push((name, deformed(&title, diffuse, end)?));
+        }
+    }
+    Ok(pictures)
+}
+
+/// How many iterations fewer the smooth surface has taken so far, by mesh.
+fn iterations<'a>(penalty: f64, pairs: impl Iterator<Item = &'a Pair>) -> Result<String, StudyError> {
+    let marks = [Mark::PointsDotted, Mark::PointsDashed, Mark::Points];
+    let curves = pairs.zip(marks).map(|(pair, mark)| {
+        let (smooth, facets) = (cumulated(&pair.diffuse), cumulated(&pair.classic));
+        let total = |points: &[(f64, f64)]| points.last().map_or(0.0, |point| point.1);
+        let label = format!("{} mesh:\n{}, facets {}", pair.mesh.name, total(&smooth), total(&facets));
+        let points = smooth.iter().zip(&facets).map(|(smooth, facets)| (smooth.0, facets.1 - smooth.1));
+        Curve::new(label, COLOURS.other, mark, points)
+    });
+    let axes = Axes {
+        names: ["displacement of the plate, mm", "iterations saved so far"],
+        x: |[_, end]| Scale::Linear(0.0..end),
+        y: |[low, high]| Scale::Counts(low.min(0.0) - 1.0..high + 1.0),
+    };
+    let title = format!(
+        "Iterations that the smooth surface saves beside facets: elastic pinch, pipe as master, {penalty:.0e} N/mm"
+    );
+    figure(&title, &axes, curves.collect())
+}
+
+/// Start, middle and end of a run whose plate moves by `end`.
+fn deformed(title: &str, outcome: &Outcome, end: f64) -> Result<String, StudyError> {
+    let last = outcome.positions.len().saturating_sub(1);
+    let mut parts = vec![("start".to_owned(), faces(outcome, &outcome.start))];
+    parts.extend([last / 2, last].map(|k| {
+        let reached = end * outcome.increments[k].time;
+        (format!("plate's upper face {reached:.0} mm down"), faces(outcome, &outcome.positions[k]))
+    }));
+    let note = [
+        "Only nodes of the plate are kept out of the pipe, whose smooth surface is not drawn.",
+        "Nodes of the pipe may enter the plate.",
+    ];
+    shapes(title, &parts, note)
 }
 
 fn pairs(decks: &Decks, scope: &Scope, pipe: Pipe, meshes: &[Mesh]) -> Result<Vec<Pair>, CliError> {
@@ -160,14 +216,23 @@ fn pairs(decks: &Decks, scope: &Scope, pipe: Pipe, meshes: &[Mesh]) -> Result<Ve
     for &mesh in meshes {
         for master in Master::ALL {
             for &penalty in scope.penalties {
-                let case = case(pipe, mesh, penalty, master, scope.limit);
-                let diffuse = decks.run(&case)?;
-                let classic = decks.run(&case.classic())?;
-                pairs.push(Pair { mesh, penalty, master, diffuse, classic });
+                pairs.push(pair(decks, scope, pipe, (mesh, penalty, master))?);
             }
         }
     }
     Ok(pairs)
+}
+
+fn pair(
+    decks: &Decks,
+    scope: &Scope,
+    pipe: Pipe,
+    (mesh, penalty, master): (Mesh, f64, Master),
+) -> Result<Pair, CliError> {
+    let case = case(pipe, mesh, penalty, master, scope.limit);
+    let diffuse = decks.run(&case)?;
+    let classic = decks.run(&case.classic())?;
+    Ok(Pair { mesh, penalty, master, diffuse, classic })
 }
 
 /// Pairs on the finest meshes, their facets found anew in every iteration, as lists of the diffuse element follow.
@@ -194,14 +259,14 @@ fn cumulated(outcome: &Outcome) -> Vec<(f64, f64)> {
 }
 
 /// The faces of pipe and plate on the side z = 0, seen along z.
-fn outlines(outcome: &Outcome, positions: &[[f64; 3]]) -> Vec<Outline> {
-    let faces = ["pipe.bottom", "plate.z-"].into_iter().enumerate();
+fn faces(outcome: &Outcome, positions: &[[f64; 3]]) -> Vec<Face> {
+    let faces = [(Body::Pipe, "pipe.bottom"), (Body::Plate, "plate.z-")].into_iter();
     faces
-        .flat_map(|(colour, name)| outcome.surfaces[name].iter().map(move |face| (colour, face)))
-        .map(|(colour, face)| {
+        .flat_map(|(body, name)| outcome.surfaces[name].iter().map(move |face| (body, face)))
+        .map(|(body, face)| {
             let corners = face.corners();
             let ring = corners.iter().chain(corners.first());
-            (colour, ring.map(|&node| (positions[node][0], positions[node][1])).collect())
+            (body, ring.map(|&node| (positions[node][0], positions[node][1])).collect())
         })
         .collect()
 }
@@ -267,9 +332,11 @@ fn text(elastic: &[Pair], plastic: &[Pair], refreshed: &[(Pipe, Pair)], longer: 
     let _ = write!(
         text,
         "\n{table}\n{longer}\n\
-         ![Iterations over the displacement](pictures/paper-iterations.svg)\n\n\
-         ![Deformed pipe, elastic](pictures/paper-pinch-elastic.svg)\n\n\
-         ![Deformed pipe, elastoplastic](pictures/paper-pinch-plastic.svg)\n"
+         ![Iterations that the smooth surface has saved beside facets while the plate moves, by mesh: at most three in \
+         the end, or three more](pictures/paper-iterations.svg)\n\n\
+         ![The elastic pipe under the plate at three times: round, then flat along the plate, then clear of it in the \
+         middle](pictures/paper-pinch-elastic.svg)\n\n\
+         ![The elastoplastic pipe under the plate at three times: round, then dented in the middle, then more so](pictures/paper-pinch-plastic.svg)\n"
     );
     if let Some(pair) = elastic.iter().find(|pair| pair.master == Master::Pipe) {
         let _ = write!(text, "\n{}", shares(pair));

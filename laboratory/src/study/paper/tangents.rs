@@ -2,14 +2,14 @@
 
 use std::fmt::Write as _;
 
-use plotters::chart::SeriesLabelPosition;
-
 use super::case::{Case, Outcome};
 use super::pinch::{Master, PENALTIES, Pipe, Scope, case};
-use super::plot::{decades, figure};
-use super::{Chapter, Decks};
+use super::plot::{Axes, figure};
+use super::{Chapter, Decks, Pictures};
 use crate::error::CliError;
+use crate::study::StudyError;
 use crate::study::markdown::{Table, cells};
+use crate::study::plot::{COLOURS, Curve, Mark, Scale};
 
 /// What takes part in the tangent.
 const TANGENTS: [&str; 4] = ["exact", "adaptive", "frame held (hull layers)", "ε N Nᵀ"];
@@ -19,7 +19,12 @@ pub fn runs(scope: &Scope) -> usize {
     decks_of(scope).len() * TANGENTS.len()
 }
 
-/// Headings and decks.
+/// Of the figure.
+pub const DRAWN_RUNS: usize = TANGENTS.len();
+
+const PICTURE: &str = "paper-residuals.svg";
+
+/// Headings and decks; the first one is drawn.
 fn decks_of(scope: &Scope) -> Vec<(String, Case)> {
     let decks = [
         (Pipe::Elastic, "elastic, coarse", scope.coarsest()),
@@ -57,7 +62,7 @@ pub fn chapter(decks: &Decks, scope: &Scope) -> Result<Chapter, CliError> {
     let mut counts = Table::new("### Iterations of the diffuse element", &columns);
     let mut histories = None;
     for (name, case) in decks_of(scope) {
-        let outcomes = variants(&case).iter().map(|case| decks.run(case)).collect::<Result<Vec<_>, _>>()?;
+        let outcomes = outcomes(decks, &case)?;
         counts.row(format!("{name} | {}", cells(outcomes.iter().map(Outcome::count))));
         if histories.is_none() {
             histories = Some((name, outcomes));
@@ -66,16 +71,8 @@ pub fn chapter(decks: &Decks, scope: &Scope) -> Result<Chapter, CliError> {
     let Some((name, outcomes)) = histories else {
         return Ok(Chapter { text: counts.to_string(), pictures: Vec::new() });
     };
-    let number = hardest(&outcomes);
-    let residuals: Vec<Vec<f64>> = outcomes.iter().map(|outcome| history(outcome, number)).collect();
-    let curves = TANGENTS.iter().zip(&residuals).map(|(label, residuals)| {
-        let points = residuals.iter().enumerate();
-        let points = points.map(|(k, &residual)| ((k + 1) as f64, residual.max(1e-16)));
-        ((*label).to_owned(), points.collect())
-    });
-    let title = format!("Residuals of increment {}", number + 1);
-    let axes = ["iteration", "residual over the forces"];
-    let figure = figure(&title, axes, decades, SeriesLabelPosition::UpperRight, curves)?;
+    let (number, residuals) = residuals(&outcomes);
+    let figure = picture(number, &name, &residuals)?;
     let heading = format!("### Residuals over the forces, increment {} ({name})", number + 1);
     let mut table = Table::new(heading, &format!("iteration | {tangents}"));
     for k in 0..residuals.iter().map(Vec::len).max().unwrap_or(0) {
@@ -92,9 +89,53 @@ pub fn chapter(decks: &Decks, scope: &Scope) -> Result<Chapter, CliError> {
          tangent still belong to each other. Domains of influence need a frame that moves, so that column has hull layers. ε N Nᵀ leaves out the Hessian: what an element without second \
          derivatives has.\n\n{counts}\n\
          The increment below is the one in which the tangents differ most.\n\n{table}\n\
-         ![Residuals](pictures/paper-residuals.svg)\n"
+         ![Residuals of an increment by tangent: with the exact and with the adaptive one they fall fastest, and alike; \
+         with ε N Nᵀ alone they fall along a straight line, and slowest](pictures/paper-residuals.svg)\n"
     );
-    Ok(Chapter { text, pictures: vec![("paper-residuals.svg", figure)] })
+    Ok(Chapter { text, pictures: vec![(PICTURE, figure)] })
+}
+
+/// The figure alone.
+pub fn pictures(decks: &Decks, scope: &Scope) -> Result<Pictures, CliError> {
+    let mut pictures = Vec::new();
+    if let Some((name, case)) = decks_of(scope).first() {
+        let (number, residuals) = residuals(&outcomes(decks, case)?);
+        pictures.push((PICTURE, picture(number, name, &residuals)?));
+    }
+    Ok(pictures)
+}
+
+/// With each tangent.
+fn outcomes(decks: &Decks, case: &Case) -> Result<Vec<Outcome>, CliError> {
+    variants(case).iter().map(|case| decks.run(case)).collect()
+}
+
+/// An increment, from 0, and its residuals by tangent.
+fn residuals(outcomes: &[Outcome]) -> (usize, Vec<Vec<f64>>) {
+    let number = hardest(outcomes);
+    (number, outcomes.iter().map(|outcome| history(outcome, number)).collect())
+}
+
+/// Residuals over the iterations, by tangent.
+fn picture(number: usize, deck: &str, residuals: &[Vec<f64>]) -> Result<String, StudyError> {
+    // In the order of `TANGENTS`.
+    let styles = [
+        (COLOURS.smooth, Mark::Points),
+        (COLOURS.other, Mark::Dashes),
+        (COLOURS.hull_layers, Mark::Points),
+        (COLOURS.other, Mark::PointsDotted),
+    ];
+    let curves = TANGENTS.iter().zip(styles).zip(residuals).map(|((label, (colour, mark)), residuals)| {
+        let points = residuals.iter().enumerate();
+        let points = points.map(|(k, &residual)| ((k + 1) as f64, residual.max(1e-16)));
+        Curve::new(label.replace(" (", "\n("), colour, mark, points)
+    });
+    let axes = Axes {
+        names: ["iteration", "residual over the forces"],
+        x: |[start, end]| Scale::Counts(start..end),
+        y: Scale::decades,
+    };
+    figure(&format!("Residuals of increment {}: {deck}", number + 1), &axes, curves.collect())
 }
 
 /// The increment that takes the last tangent most iterations more than the first, from 0.

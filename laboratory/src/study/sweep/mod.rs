@@ -10,6 +10,7 @@ pub mod scene;
 
 use std::io::{self, Write};
 
+use diffuse_contact::Weight;
 use diffuse_contact::interface::ContactElement;
 use diffuse_contact::neighbourhood::NeighbourRule;
 use rayon::prelude::*;
@@ -17,6 +18,7 @@ use rayon::prelude::*;
 use super::StudyError;
 use super::arguments::SweepArguments;
 use super::markdown::Table;
+use super::plot::COLOURS;
 use crate::error::CliError;
 use crate::output;
 use crate::progress::logged;
@@ -48,14 +50,28 @@ pub fn run(arguments: &SweepArguments) -> Result<(), CliError> {
     output::write_stdout(|writer| write!(writer, "{}", table(&curves, arguments)))
 }
 
-/// The facets, and the default rule with two weights.
-fn shown(curves: &[Curve]) -> Vec<(&'static str, &Curve)> {
-    let labels = ["facets", "diffuse, cubic weight", "diffuse, interpolating weight"];
-    let shown = curves.iter().filter(|curve| match curve.element {
-        ContactElement::Diffuse { search, .. } => search.rule == NeighbourRule::Domains,
-        ContactElement::NodeToFacet => true,
-    });
-    labels.into_iter().zip(shown).collect()
+/// The facets, hull layers, and the default rule with two weights, which is drawn last.
+fn shown(curves: &[Curve]) -> Vec<plot::Named<'_>> {
+    let layers = NeighbourRule::hull_layers(None);
+    let kinds = [
+        ("facets", COLOURS.facets, None),
+        ("hull layers, cubic weight", COLOURS.hull_layers, Some((layers, Weight::Cubic))),
+        (
+            "nodal domains,\ninterpolating weight",
+            COLOURS.interpolating,
+            Some((NeighbourRule::Domains, Weight::CubicInterpolating)),
+        ),
+        ("nodal domains, cubic weight", COLOURS.smooth, Some((NeighbourRule::Domains, Weight::Cubic))),
+    ];
+    let is_kind = |curve: &Curve, kind: Option<(NeighbourRule, Weight)>| match curve.element {
+        ContactElement::Diffuse { weight, search, .. } => kind == Some((search.rule, weight)),
+        ContactElement::NodeToFacet => kind.is_none(),
+    };
+    let found = |(label, colour, kind)| {
+        let curve = curves.iter().find(|curve| is_kind(curve, kind));
+        curve.map(|curve| (label, colour, curve))
+    };
+    kinds.into_iter().filter_map(found).collect()
 }
 
 fn table(curves: &[Curve], arguments: &SweepArguments) -> Table {

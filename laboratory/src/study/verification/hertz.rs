@@ -4,14 +4,14 @@
 use diffuse_contact_solver::deck::{Boundary, Deck, PartSource, Reference};
 use diffuse_contact_solver::model::Motion;
 use diffuse_contact_solver::model::shape::{Block, Shape};
+use diffuse_contact_solver::output::Fields;
 use diffuse_contact_solver::solve::SolveError;
-use diffuse_contact_solver::verification::{LineContact, PointContact, PressureProfile, Trace};
-use plotters::style::BLACK;
+use diffuse_contact_solver::verification::{LineContact, PointContact, PressureProfile, Snapshot, Trace};
 
 use super::plot::chart;
 use super::{Decks, Findings, Way, divide, percent, row};
 use crate::study::markdown::Table;
-use crate::study::plot::{Chart, Curve, Mark};
+use crate::study::plot::{COLOURS, Chart, Curve, Mark, Scale};
 
 /// Cells of the body, and of an elastic floor along x and z; `None`: there is no run with one.
 struct Mesh {
@@ -110,7 +110,29 @@ pub fn ball(decks: &Decks) -> Result<Findings, SolveError> {
 }
 
 /// Force and pressures at the end of an increment.
-type Press = (f64, PressureProfile);
+struct Press {
+    force: f64,
+    profile: PressureProfile,
+    /// `contact_pressure` of the results over the distance, of the nodes that have one.
+    smoothed: Vec<(f64, f64)>,
+}
+
+impl Press {
+    fn of(snapshot: &Snapshot<'_>, distance: fn([f64; 3]) -> f64) -> Self {
+        let fields = Fields::of(snapshot.problem, snapshot.state);
+        let start = snapshot.problem.start_positions();
+        let slaves = snapshot.slaves().map(|slave| slave.node);
+        let smoothed = slaves.map(|node| (distance(start[node]), fields.contact_pressure[node]));
+        Self {
+            force: snapshot.contact_force()[2].abs(),
+            profile: PressureProfile::of(snapshot, distance),
+            smoothed: smoothed.filter(|&(_, pressure)| pressure > 0.0).collect(),
+        }
+    }
+}
+
+/// How far from the middle the chart shows, over the half width: the outermost nodes have pressures beyond it.
+const SHOWN: f64 = 1.2;
 
 fn study(decks: &Decks, problem: &Problem) -> Result<Findings, SolveError> {
     let heading =
@@ -133,12 +155,10 @@ fn study(decks: &Decks, problem: &Problem) -> Result<Findings, SolveError> {
                     }
                     (true, None) => continue,
                 };
-                let run = decks.trace(&deck, |snapshot| {
-                    Ok((snapshot.contact_force()[2].abs(), PressureProfile::of(snapshot, problem.distance)))
-                })?;
+                let run = decks.trace(&deck, |snapshot| Ok(Press::of(snapshot, problem.distance)))?;
                 let is_charted = exchange && mesh.body == problem.meshes[problem.charted].body;
                 if let (Ok(run), true) = (&run, is_charted) {
-                    curves.extend(curve(run, problem, way, modulus));
+                    curves.extend(points(run, problem, way, modulus));
                 }
                 let figures = run.map(|run| figures(&run, problem, modulus));
                 let slave = if exchange { "elastic floor" } else { problem.body };
@@ -156,10 +176,12 @@ fn pressures(problem: &Problem, mut curves: Vec<Curve>) -> Chart {
         let x: f64 = f64::from(k) / 200.0;
         (x, (1.0 - x * x).sqrt())
     });
-    curves.push(Curve::new("closed form", BLACK, Mark::Line, exact));
+    curves.push(Curve::new("closed form", COLOURS.other, Mark::Line, exact));
     let cells = problem.meshes[problem.charted].name();
-    let title = format!("{}: pressure with the curved body as master, {cells} cells", problem.title);
-    chart(title, ["x / a", "p / p₀"], curves)
+    let rows =
+        problem.across.map_or(String::new(), |(across, _)| format!(", {} rows across the strip", across + 1));
+    let title = format!("{} as master, {cells} cells: pressure; one dot per node{rows}", problem.title);
+    Chart { x_range: Scale::Linear(0.0..SHOWN), ..chart(title, ["x / a", "p / p₀"], curves) }
 }
 
 /// Makes the floor an elastic block, whose nodes are the slaves: the curved body carries the contact surface.
@@ -196,7 +218,7 @@ fn soften(deck: &mut Deck, problem: &Problem, cells: usize) {
 }
 
 fn figures(run: &Trace<Press>, problem: &Problem, modulus: f64) -> [String; 7] {
-    let Some((force, profile)) = run.measures.last() else { return Default::default() };
+    let Some(Press { force, profile, .. }) = run.measures.last() else { return Default::default() };
     let [half_width, peak] = (problem.exact)(*force, modulus);
     let ellipse = |k: usize, exact: f64| {
         profile.ellipse().map_or_else(|| "–".to_owned(), |ellipse| percent(ellipse[k] / exact - 1.0))
@@ -212,10 +234,18 @@ fn figures(run: &Trace<Press>, problem: &Problem, modulus: f64) -> [String; 7] {
     ]
 }
 
-/// Nodal pressures over those of the closed form.
-fn curve(run: &Trace<Press>, problem: &Problem, way: Way, modulus: f64) -> Option<Curve> {
-    let (force, profile) = run.measures.last()?;
+/// Nodal pressures over those of the closed form; over faces those of the results besides.
+fn points(run: &Trace<Press>, problem: &Problem, way: Way, modulus: f64) -> Vec<Curve> {
+    let Some(Press { force, profile, smoothed }) = run.measures.last() else { return Vec::new() };
     let [half_width, peak] = (problem.exact)(*force, modulus);
-    let points = profile.nodes.iter().map(|node| (node.distance / half_width, node.pressure / peak));
-    Some(Curve::new(way.name(), way.colour(), Mark::Dots, points))
+    let shown = |(distance, pressure): (f64, f64)| (distance / half_width, pressure / peak);
+    let own = profile.nodes.iter().map(|node| shown((node.distance, node.pressure)));
+    if !way.over_faces {
+        return vec![Curve::new(way.name(), way.colour(), Mark::Dots, own)];
+    }
+    let smoothed = smoothed.iter().copied().map(shown);
+    vec![
+        Curve::new(way.name().to_owned() + ",\np_A", way.colour(), Mark::Rings, own),
+        Curve::new(way.name().to_owned() + ",\ncontact_pressure", way.colour(), Mark::Dots, smoothed),
+    ]
 }

@@ -3,12 +3,11 @@
 use diffuse_contact_solver::deck::Contact;
 use diffuse_contact_solver::solve::SolveError;
 use diffuse_contact_solver::verification::{LineContact, PartialSlip, Trace, TractionProfile};
-use plotters::style::BLACK;
 
 use super::plot::chart;
 use super::{Decks, Findings, Way, divide, row};
 use crate::study::markdown::Table;
-use crate::study::plot::{Curve, Mark};
+use crate::study::plot::{COLOURS, Curve, Mark};
 
 /// Cells of the cores of the lower and the upper cylinder, and layers around them; whether they take minutes. The second one is the deck's.
 const MESHES: [([usize; 3], bool); 3] = [([20, 18, 12], false), ([40, 36, 20], false), ([60, 54, 24], true)];
@@ -79,5 +78,5 @@ fn charted(run: &Trace<Pushed>, way: Way) -> Vec<Curve> {
     let exact = (-500..=500).map(|k| f64::from(k) / 500.0).map(|x| (x, exact.traction(a * x) / unit));
     let nodes = profile.nodes.iter().map(|node| (node.place / a, node.traction / unit));
     let nodes = Curve::new(way.name(), way.colour(), Mark::Dots, nodes);
-    vec![nodes, Curve::new("closed form", BLACK, Mark::Line, exact)]
+    vec![nodes, Curve::new("closed form", COLOURS.other, Mark::Line, exact)]
 }

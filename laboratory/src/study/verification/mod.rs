@@ -26,7 +26,6 @@ use diffuse_contact_solver::solid::SolidError;
 use diffuse_contact_solver::solve::SolveError;
 use diffuse_contact_solver::statics::StaticsError;
 use diffuse_contact_solver::verification::{Snapshot, Trace, trace};
-use plotters::style::RGBColor;
 
 use crate::error::CliError;
 use crate::output;
@@ -34,7 +33,7 @@ use crate::study::StudyError;
 use crate::study::arguments::{VerificationArguments, VerificationProblem, name};
 use crate::study::error::of_deck;
 use crate::study::markdown::Table;
-use crate::study::plot::{Chart, Curve, Mark};
+use crate::study::plot::{COLOURS, Chart, Colour, Curve, Mark};
 use crate::threads::with_threads;
 
 /// The descriptions of a master, the classic one first, and the smooth one over faces beside nodes with the same penalty.
@@ -71,19 +70,18 @@ impl Way {
         }
     }
 
-    /// Colours that stay apart for the colour-blind.
-    const fn colour(self) -> RGBColor {
+    fn colour(self) -> Colour {
         match (self.element, self.over_faces) {
-            (_, true) => RGBColor(0, 158, 115),
-            _ if self.hull_layers => RGBColor(86, 180, 233),
-            _ if self.by_area => RGBColor(204, 121, 167),
-            (Contact::NodeToFacet, false) => RGBColor(213, 94, 0),
-            (Contact::Diffuse | Contact::None, false) => RGBColor(0, 114, 178),
+            (_, true) => COLOURS.faces,
+            _ if self.hull_layers => COLOURS.hull_layers,
+            _ if self.by_area => COLOURS.automatic_penalty,
+            (Contact::NodeToFacet, false) => COLOURS.facets,
+            (Contact::Diffuse | Contact::None, false) => COLOURS.smooth,
         }
     }
 
     fn curve(self, points: impl Iterator<Item = (f64, f64)>) -> Curve {
-        Curve::new(self.name(), self.colour(), if self.hull_layers { Mark::Dots } else { Mark::Line }, points)
+        Curve::new(self.name(), self.colour(), Mark::Points, points)
     }
 }
 

@@ -1,13 +1,13 @@
 //! Charts one above the other, as SVG.
 
-use plotters::prelude::SeriesLabelPosition;
-
 use crate::study::StudyError;
 use crate::study::plot::{self, Chart, Curve, Scale, ranges};
 
 /// Width, and height of a chart.
-const WIDTH: u32 = 960;
+const WIDTH: u32 = 1000;
 const HEIGHT: u32 = 360;
+/// Of that, for the legend.
+const LEGEND: u32 = 236;
 
 /// The picture as SVG.
 pub fn draw(charts: &[Chart]) -> Result<String, StudyError> {
@@ -18,17 +18,29 @@ pub fn draw(charts: &[Chart]) -> Result<String, StudyError> {
 pub fn chart(title: impl Into<String>, axes: [&'static str; 2], curves: Vec<Curve>) -> Chart {
     let [[left, right], [low, high]] = ranges(&curves).map(widened);
     let margin = 0.06 * (high - low);
-    // The legend has the upper part to itself.
-    let headroom = 0.12 * curves.len() as f64 * (high - low);
     Chart {
         title: title.into(),
         axes,
-        x_range: left..right,
-        y_range: Scale::Linear(low - margin..high + headroom),
+        x_range: Scale::Linear(left..right),
+        y_range: Scale::Linear(low - margin..high + margin),
         curves,
-        legend: Some(SeriesLabelPosition::UpperRight),
+        legend: LEGEND,
         left: 78,
     }
+}
+
+/// One whose y is positive and logarithmic. What is below `least` is drawn there.
+pub fn decades(
+    title: impl Into<String>,
+    axes: [&'static str; 2],
+    least: f64,
+    mut curves: Vec<Curve>,
+) -> Chart {
+    for (_, y) in curves.iter_mut().flat_map(|curve| &mut curve.points) {
+        *y = y.max(least);
+    }
+    let y_range = Scale::decades(widened(ranges(&curves)[1]));
+    Chart { y_range, ..chart(title, axes, curves) }
 }
 
 /// Some range for no values or equal ones.

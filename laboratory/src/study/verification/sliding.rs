@@ -3,7 +3,7 @@
 use diffuse_contact_solver::solve::SolveError;
 use diffuse_contact_solver::verification::{Oscillation, Trace};
 
-use super::plot::chart;
+use super::plot::decades;
 use super::{Decks, Findings, SURFACES, Way, classic_over, row};
 use crate::study::markdown::Table;
 use crate::study::plot::Curve;
@@ -13,6 +13,9 @@ const START: f64 = 0.2;
 const TURN: f64 = 0.8;
 const DEGREES: f64 = 20.0;
 
+/// What smaller deviations are drawn as.
+const LEAST: f64 = 1e-7;
+
 /// Of an increment: time and force on the block.
 type Force = (f64, [f64; 3]);
 
@@ -20,30 +23,32 @@ pub fn study(decks: &Decks) -> Result<Findings, SolveError> {
     let columns = "element | facets | mean of F_z, N | F_z, peak to peak over mean | classic over diffuse | \
                    F_x, peak to peak over mean F_z | classic over diffuse | iterations | cut-backs";
     let mut table = Table::new("Block on a turning cylinder: force while it turns", columns);
-    let mut charts: [Vec<Curve>; 2] = Default::default();
+    let mut curves: Vec<Curve> = Vec::new();
     for (around, facets) in [(15, "6°"), (30, "3°"), (60, "1.5°")] {
         let mut classic = [None; 2];
         for way in SURFACES {
             let mut deck = decks.by(way)?;
             super::divide(&mut deck, "cylinder", &[around]);
             let run = decks.trace(&deck, |snapshot| Ok((snapshot.record.time, snapshot.contact_force())))?;
-            if let (Ok(run), 30) = (&run, around) {
-                for (chart, axis) in charts.iter_mut().zip([2, 0]) {
-                    let turning = run.measures.iter().filter(|(time, _)| is_turning(*time));
-                    let points = turning.map(|(time, force)| (DEGREES * (time - START) / TURN, force[axis]));
-                    chart.push(way.curve(points));
-                }
+            // The automatic penalty is another one: its force is larger.
+            let has_penalty_of_deck = !(way.by_area || way.over_faces);
+            if let (Ok(run), 30, true) = (&run, around, has_penalty_of_deck) {
+                curves.push(way.curve(deviations(run)));
             }
             let figures = run.map(|run| figures(&run, way, &mut classic));
             row(&mut table, &[way.name(), facets], figures);
         }
     }
-    let forces = [("pressing, exact constant", "F_z in N"), ("along the turn, exact constant", "F_x in N")];
-    let charts = forces.into_iter().zip(charts).map(|((what, force), curves)| {
-        let title = format!("Block on a turning cylinder, facets of 3°: force {what}");
-        chart(title, ["angle in degrees", force], curves)
-    });
-    Ok(Findings { table, charts: charts.collect() })
+    let title = "Block on a turning cylinder, facets of 3°: ripple of the force that presses, exact 0";
+    let chart = decades(title, ["angle, degrees", "|F_z / mean − 1|"], LEAST, curves);
+    Ok(Findings { table, charts: vec![chart] })
+}
+
+/// By how much F_z is off its mean, at each angle.
+fn deviations(run: &Trace<Force>) -> impl Iterator<Item = (f64, f64)> {
+    let turning = || run.measures.iter().filter(|(time, _)| is_turning(*time));
+    let mean = Oscillation::of(turning().map(|(_, force)| force[2])).map_or(f64::NAN, |force| force.mean);
+    turning().map(move |(time, force)| (DEGREES * (time - START) / TURN, (force[2] / mean - 1.0).abs()))
 }
 
 /// Whether the run-in is over: the first increment of the turn is left out.

@@ -3,15 +3,19 @@
 use diffuse_contact_solver::solve::SolveError;
 use diffuse_contact_solver::verification::{Oscillation, Trace};
 
-use super::plot::chart;
+use super::plot::decades;
 use super::{Decks, Findings, SURFACES, Way, classic_over, row};
 use crate::study::markdown::Table;
+use crate::study::plot::{Curve, Mark};
 
 /// The support that turns, and its angle at the end, degrees.
 const SUPPORT: &str = "shaft.inner";
 const DEGREES: f64 = 20.0;
 /// Radius of the interface, length.
 const RADIUS: f64 = 50.0;
+
+/// Smaller torques are not drawn, N mm: in every other increment there is none by symmetry.
+const LEAST: f64 = 1.0;
 
 /// Of an increment: time, torque, sum of the contact forces.
 type Torque = [f64; 3];
@@ -34,15 +38,16 @@ pub fn study(decks: &Decks) -> Result<Findings, SolveError> {
                 Ok([snapshot.record.time, torque, force])
             })?;
             if let (Ok(run), false) = (&run, exchange) {
-                let points = run.measures.iter().map(|[time, torque, _]| (DEGREES * time, torque / 1000.0));
-                curves.push(way.curve(points));
+                let points = run.measures.iter().map(|[time, torque, _]| (DEGREES * time, torque.abs()));
+                let points = points.filter(|(_, torque)| *torque >= LEAST);
+                curves.push(Curve::new(way.name(), way.colour(), Mark::Dots, points));
             }
             let figures = run.map(|run| figures(&run, way, &mut classic));
             row(&mut table, &[way.name(), master], figures);
         }
     }
-    let title = "Coaxial cylinders: torque of the turn, exact 0";
-    let chart = chart(title, ["angle in degrees", "torque in N m"], curves);
+    let title = "Coaxial cylinders, ring as master: torque of the turn, exact 0";
+    let chart = decades(title, ["angle, degrees", "|torque|, N mm, from 1 on"], LEAST, curves);
     Ok(Findings { table, charts: vec![chart] })
 }
 

@@ -188,7 +188,7 @@ fn lists_of_a_master_pressed_together_are_complete() {
     for step in 0..40 {
         let pressed = |(k, &[x, y, z]): (usize, &Point)| {
             let way = if k < mesh.0.len() { 0.0 } else { 0.01 * f64::from(step) };
-            [0.2 * (x + way), y, z]
+            [0.2 * (x + way), y, 0.1 * z]
         };
         let positions: Vec<Point> = mesh.0.iter().chain(&slaves).enumerate().map(pressed).collect();
         if followed.follow(&positions).unwrap() {

@@ -3,7 +3,7 @@
 
 use diffuse_contact_kernels::support::{Lane, Vector};
 
-use super::equations::{Evaluated, Fitting, Lanes, choose, dot, each};
+use super::equations::{Evaluated, Fitting, Lanes, choose, dot, each, square};
 use crate::eigen::symmetric_eigen;
 use crate::frame::{LINE_TOLERANCE, THICKNESS_TOLERANCE};
 use crate::vector::Vector3;
@@ -15,6 +15,13 @@ const MOST_STEPS: usize = 12;
 const MOST_THOROUGH_STEPS: usize = 60;
 /// A step below this fraction of a domain is rounding.
 const ROUNDING: f64 = 4.0 * f64::EPSILON;
+/// A place farther than this part of a domain from where its search began is sought once more, from nearby: nodes that only some lists
+/// have may have taken part on the way, in the last bits of the answer.
+const FAR: f64 = 0.03;
+/// Such a search begins in the middle of a cell of this part of a domain, which all lists lead to.
+const CELL: f64 = 1.0 / 64.0;
+/// Cells are shifted by this part of one: places on round numbers are not on their borders.
+const SHIFT: f64 = 0.381_966_011_250_105;
 /// Where steps no longer shrink, they have to be below this fraction of a domain.
 const STALLED: f64 = 1e-11;
 /// A step has to leave less than this part of the residual, or the derivative is measured.
@@ -101,6 +108,8 @@ impl<T: Vector> Lanes<'_, T> {
                 mean: choose(is_closer, after.mean, now.mean),
             };
         }
+        let way = square(self.near, each!(i => place[i] - start[i])).sqrt();
+        is_found = T::select_less(way, T::splat(FAR), is_found, T::ZERO);
         Searched { is_found, place, normal: now.normal, mean: now.mean, evaluations }
     }
 }
@@ -110,6 +119,20 @@ impl Lanes<'_, f64> {
     pub fn search_thoroughly(&self, fitting: &impl Fitting) -> Result<Searched<f64>, ElementError> {
         let start =
             self.evaluate_thoroughly::<true>([0.0; 3], None, fitting).map_or([0.0; 3], |first| first.step);
+        // From the nearest node itself where few nodes are close to it.
+        let found = self.search_from(start, fitting).or_else(|_| self.search_from([0.0; 3], fitting))?;
+        let way = square(self.near, each!(i => found.place[i] - start[i])).sqrt();
+        if way < FAR {
+            return Ok(found);
+        }
+        let cell = CELL / self.largest_metric();
+        let near = found.place.map(|x| ((x / cell - SHIFT).floor() + SHIFT + 0.5) * cell);
+        let again = self.search_from(near, fitting);
+        Ok(again.map_or(found, |again| again))
+    }
+
+    /// The same from this place on.
+    fn search_from(&self, start: [f64; 3], fitting: &impl Fitting) -> Result<Searched<f64>, ElementError> {
         let mut search = ThoroughSearch { lanes: self, fitting, normal: None, evaluations: 0 };
         let (mut place, mut now) = (start, search.evaluate(start)?);
         let (mut inverse, mut is_measured, mut is_found) = (Inverse::<f64>::IDENTITY, false, false);
@@ -149,6 +172,11 @@ impl Lanes<'_, f64> {
         }
         let Evaluated { normal, mean, .. } = now;
         Ok(Searched { is_found: 1.0, place, normal, mean, evaluations: search.evaluations + 1 })
+    }
+
+    /// One over the order of the shortest half axis of the nearest node's domain.
+    fn largest_metric(&self) -> f64 {
+        self.near.iter().fold(0.0, |largest, x| x.abs().max(largest))
     }
 
     /// The equations at a place, also where lanes do not find the average plane.
@@ -219,7 +247,7 @@ impl<F: Fitting> ThoroughSearch<'_, F> {
 
     /// The inverse of the derivative by differences. `now`: at the place itself.
     fn measured(&mut self, place: [f64; 3], now: &Evaluated<f64>) -> Result<Inverse<f64>, ElementError> {
-        let small = DIFFERENCE / self.lanes.near.iter().fold(0.0_f64, |largest, x| largest.max(x.abs()));
+        let small = DIFFERENCE / self.lanes.largest_metric();
         let mut columns = [[0.0; 3]; 3];
         for axis in 0..3 {
             let mut beside = place;

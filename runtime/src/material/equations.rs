@@ -13,7 +13,7 @@ const MOST_QUOTIENTS: usize = 8;
 /// Square of the sine that a normal turns by, below which it is exact after the turn: the next error goes with the third power.
 const SAME_DIRECTION: f64 = 1e-14;
 /// Nodes are close to another where each is in the domain of the other, shrunk by this factor.
-const CLOSE: f64 = 1.35;
+const CLOSE: f64 = 1.6;
 /// Numbers of a node: its position and its first position, both from those of the nearest one, and its metric.
 pub const VALUES: usize = 12;
 
@@ -234,7 +234,7 @@ fn cross<T: Lane>(x: [T; 3], y: [T; 3]) -> [T; 3] {
 
 /// |U v|²
 #[inline(always)]
-fn square<T: Lane>(metric: [T; 6], v: [T; 3]) -> T {
+pub fn square<T: Lane>(metric: [T; 6], v: [T; 3]) -> T {
     let [xx, xy, xz, yy, yz, zz] = metric;
     let image = [dot([xx, xy, xz], v), yy.mul_add(v[1], yz * v[2]), zz * v[2]];
     dot(image, image)

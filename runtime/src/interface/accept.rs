@@ -17,6 +17,7 @@ use crate::assembly::{AssemblyError, ContactLaw};
 use crate::friction::{FrictionForce, FrictionState};
 use crate::scratch::Pool;
 use crate::surface::Symmetry;
+use crate::vector::Vector3;
 use crate::{AffinePoint, Backend, FacetElement, Generated, Mode, Point, Slip, Weight};
 
 /// What friction did in a step that was accepted, in numbers of slaves, and its work.
@@ -33,6 +34,10 @@ pub struct FrictionReport {
     pub dropped: usize,
     /// Work of the tractions over what slid in the step, energy: Σ μ p Δs.
     pub dissipated: f64,
+    /// Σ μ p of the contacts over nodes that slide, force.
+    pub limit: f64,
+    /// What their forces are below that, force: where the surface turns by Δθ under a slave within the step, its force is μ p cos Δθ.
+    pub short: f64,
 }
 
 /// An anchor of the next step, and what the contact did in the last.
@@ -41,6 +46,8 @@ struct Accepted {
     state: Option<FrictionState>,
     is_open: bool,
     dissipated: f64,
+    /// μ p and the force on the slave, if it slides.
+    sliding: Option<[f64; 2]>,
 }
 
 impl AddAssign for FrictionReport {
@@ -50,6 +57,8 @@ impl AddAssign for FrictionReport {
         self.unanchored += other.unanchored;
         self.dropped += other.dropped;
         self.dissipated += other.dissipated;
+        self.limit += other.limit;
+        self.short += other.short;
     }
 }
 
@@ -67,6 +76,10 @@ impl FrictionReport {
             Some(FrictionState::Slip) => self.sliding += 1,
         }
         self.dissipated += accepted.dissipated;
+        if let Some([limit, force]) = accepted.sliding {
+            self.limit += limit;
+            self.short += (limit - force).max(0.0);
+        }
     }
 }
 
@@ -430,5 +443,9 @@ fn accept_one(slave: &Sticking<'_>, is_augmented: bool) -> Option<Accepted> {
         state: force.map(|force| force.state),
         is_open,
         dissipated: force.map_or(0.0, |force| force.dissipated(slip.length())),
+        sliding: force.filter(|force| force.state == FrictionState::Slip).map(|force| {
+            let of_slave = Vector3::from([slip.gradient[0], slip.gradient[1], slip.gradient[2]]);
+            [slip.length(), of_slave.norm()].map(|length| force.factor * length)
+        }),
     })
 }

@@ -1,5 +1,7 @@
 //! What friction remembers: when its history changes, and what of it a restart needs.
 
+use std::f64::consts::TAU;
+
 use diffuse_contact::affine::{AffinePoint, Carrier};
 use diffuse_contact::assembly::{AssemblyError, ContactLaw, DofMap, add_forces, slave_friction};
 use diffuse_contact::friction::Coulomb;
@@ -35,6 +37,27 @@ fn nothing_of_the_history_changes_before_a_step_is_accepted() {
     other.positions = pressed.positions.clone();
     other.interface.refresh_pairing(&other.positions).unwrap();
     assert_eq!(other.forces(), forces);
+}
+
+/// The gradient of the slip is shorter than the slip where the surface turns: the force is μ p cos Δθ.
+#[test]
+fn what_friction_lacks_on_a_surface_that_turns_is_told() {
+    let roller = Mesh::grid([48, 9], [true, false], |s, t| {
+        let (sin, cos) = (TAU * s).sin_cos();
+        [cos, sin, t]
+    });
+    let at = |angle: f64| [0.999 * angle.cos(), 0.999 * angle.sin(), 0.5];
+    for turn in [0.05_f64, 0.3, 0.8] {
+        let element = ContactElement::diffuse(SearchOptions::domains());
+        let mut pressed = Pressed::over(&roller, &[at(0.1)], 0.1, element, &[]);
+        let slave = pressed.slaves[0];
+        pressed.positions[slave] = at(0.1 + turn);
+        pressed.follow();
+        let report = pressed.accept();
+        assert!(report.sliding == 1 && report.limit > 0.0, "{report:?}");
+        let part = report.short / report.limit;
+        assert!((part - (1.0 - turn.cos())).abs() < 2e-3, "{turn}: {part}");
+    }
 }
 
 #[test]

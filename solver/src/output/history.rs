@@ -72,7 +72,7 @@ pub(super) fn header(problem: &Problem) -> String {
     for (_, name) in with_friction(problem, &interfaces) {
         let _ = write!(
             line,
-            ",stuck:{name},sliding:{name},unanchored:{name},friction_force:{name},dissipated:{name}"
+            ",stuck:{name},sliding:{name},unanchored:{name},friction_force:{name},dissipated:{name},friction_short:{name}"
         );
     }
     for name in &interfaces {
@@ -119,9 +119,12 @@ pub(super) fn row(record: &IncrementRecord, problem: &Problem, wall_s: f64) -> S
     );
     let interactions = problem.contacts().interactions().iter();
     for ((interaction, contact), friction) in interactions.zip(&record.contacts).zip(&record.friction) {
-        let Some(FrictionReport { stuck, sliding, unanchored, .. }) = friction else { continue };
+        let Some(FrictionReport { stuck, sliding, unanchored, limit, short, .. }) = friction else {
+            continue;
+        };
         let (force, dissipated) = (contact.friction, interaction.dissipated());
-        let _ = write!(line, ",{stuck},{sliding},{unanchored},{force:?},{dissipated:?}");
+        let short = if *limit > 0.0 { short / limit } else { 0.0 };
+        let _ = write!(line, ",{stuck},{sliding},{unanchored},{force:?},{dissipated:?},{short:?}");
     }
     for contact in &record.contacts {
         let _ = write!(line, ",{:?},{:?},{:?}", contact.area, contact.normal, contact.penalty_energy);
@@ -207,6 +210,11 @@ pub(super) fn last_friction(history: &History, problem: &Problem) -> BTreeMap<St
             sliding: value("sliding") as usize,
             traction: if area > 0.0 { value("friction_force") / area } else { 0.0 },
             dissipated: value("dissipated"),
+            short: history
+                .rows
+                .iter()
+                .map(|row| history.value(row, &format!("friction_short:{column}")))
+                .fold(0.0, f64::max),
         };
         (name, summary)
     };

@@ -15,6 +15,8 @@ use crate::statics::{Effort, ShownTime};
 const SOFT: f64 = 0.05;
 /// Interfaces with less than this part of that are not named.
 const SOFT_PART: f64 = 0.05;
+/// Above this part of μ p that friction lacks it is worth a warning.
+const SHORT_FRICTION: f64 = 0.01;
 
 /// `summary.json`.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -145,6 +147,9 @@ pub struct FrictionSummary {
     pub traction: f64,
     /// Work of friction so far, energy.
     pub dissipated: f64,
+    /// The largest part of μ p, in any increment, that slaves which slide over nodes lack, as their surface turns under them.
+    #[serde(default)]
+    pub short: f64,
 }
 
 /// A part of the model.
@@ -219,6 +224,18 @@ impl Summary {
         ))
     }
 
+    /// Interfaces whose friction over nodes is too small, as surfaces turn far within an increment, in sentences.
+    fn short_friction(&self) -> impl Iterator<Item = String> {
+        let short = self.friction.iter().filter(|(_, friction)| friction.short > SHORT_FRICTION);
+        short.map(|(name, friction)| {
+            format!(
+                "friction of the interface `{}` is up to {:.1} % too small: the surface turns under its slaves within an increment. Shorter                  increments, or `integration = \"faces\"`, have all of it",
+                shown(name),
+                100.0 * friction.short
+            )
+        })
+    }
+
     /// What went wrong on the way, in sentences.
     pub fn shortcomings(&self) -> Vec<String> {
         let increments = self.increments;
@@ -285,7 +302,7 @@ impl Summary {
             )
         });
         let counted = counted.map(|(count, what)| format!("{count} {what}"));
-        let contacts = self.deep_slaves().chain(self.soft_penalties());
+        let contacts = self.deep_slaves().chain(self.soft_penalties()).chain(self.short_friction());
         counted.chain(idle).chain(vanished).chain(contacts).chain(self.new_fallbacks()).collect()
     }
 }

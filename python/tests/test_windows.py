@@ -206,6 +206,10 @@ def test_refusals():
     assert code(whole.window, [[[0.0, 0.0, 0.0], [1.0, -1.0, 1.0]]], 0.0) == "invalid-box"
     assert code(whole.window, [], -1.0) == "invalid-box"
     assert code(dc.Window.joined, []) == "invalid-window"
+    with pytest.raises(dc.InterfaceError, match="no window to join"):
+        dc.Window.joined([])
+    with pytest.raises(dc.InterfaceError, match=f"but the window has {len(window.nodes)} nodes"):
+        make(window, own, positions[: len(window.nodes) - 1])
     assert code(dc.Window.joined, [window, whole.window([], 0.0)]) == "different-windows"
     integers, reals = window.numbers
     assert dc.Window(integers, reals) == window
@@ -400,7 +404,7 @@ def test_friction_over_faces_goes_with_nodes_to_other_windows():
     foreign = np.concatenate([[1.0, 0.0, 1e6, -1.0, 1.0] * 2, *history[1:]])
     with pytest.raises(dc.InterfaceError) as error:
         faces.history = foreign
-    assert error.value.code == "invalid-history"
+    assert error.value.code == "foreign-carrier"
 
 
 def quadrilaterals(first, cells, width):

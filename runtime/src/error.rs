@@ -37,10 +37,10 @@ pub enum ElementError {
     #[error("{what} {index} has a coordinate that is not a finite number")]
     NonFiniteInput { what: &'static str, index: usize },
     /// The support radius is not a positive finite number.
-    #[error("the support radius must be positive and finite, not {value}")]
+    #[error("the support radius must be positive and finite, not {value:?}")]
     InvalidSupportRadius { value: f64 },
     /// The radius of a node's domain of influence is not a positive finite number.
-    #[error("the domain of master {index} must have a positive and finite radius, not {value}")]
+    #[error("the domain of master {index} must have a positive and finite radius, not {value:?}")]
     InvalidDomain { index: usize, value: f64 },
     /// There is not one domain of influence for each master node.
     #[error("{found} radii of domains for {expected} master nodes")]
@@ -56,7 +56,7 @@ pub enum ElementError {
     #[error("the slave's place in the first configuration is off its equations by {deviation:e} of a domain")]
     NotMaterialPlace { deviation: f64 },
     /// The reach of the average plane's weights is not above 0 and at most 1.
-    #[error("the reach of the average plane must be above 0 and at most 1, not {value}")]
+    #[error("the reach of the average plane must be above 0 and at most 1, not {value:?}")]
     InvalidReach { value: f64 },
     /// The frame's vectors are not orthonormal. `deviation` is the largest entry of |Q Qᵀ − I|.
     #[error("the frame is not orthonormal: its Gram matrix differs from the identity by {deviation:e}")]

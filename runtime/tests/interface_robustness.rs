@@ -102,6 +102,8 @@ fn streaming_gives_the_same_as_holding_everything() {
 fn an_interface_without_slaves_has_nothing_to_say() {
     for options in [InterfaceOptions::default(), InterfaceOptions::node_to_facet()] {
         let mut scene = scene(0, options);
+        // As with slaves.
+        assert_eq!(scene.interface.evaluate(Mode::Value).unwrap_err().code(), "not-refreshed");
         assert_eq!(scene.refresh(), RefreshReport { rebuilt: true, ..RefreshReport::default() });
         assert!(scene.interface.evaluate(Mode::Hessian).unwrap().is_empty());
         scene.interface.for_each(Mode::Hessian, |_| panic!("no slave")).unwrap();

@@ -412,6 +412,13 @@ fn an_augmented_history_goes_with_its_slaves_to_other_windows() {
         let own: Vec<f64> = slaves.iter().flat_map(|&k| rows[k]).copied().collect();
         part.interface.set_history(&own).unwrap();
         assert_eq!(part.interface.history(), own);
+        // A node that is not in the window carries none.
+        let first = slaves.iter().take_while(|&&k| rows[k] == [-1.0]).count();
+        let mut foreign = own.clone();
+        foreign[first + 2] = 1e6;
+        let error = part.interface.set_history(&foreign).unwrap_err();
+        assert_eq!(error, InterfaceError::CarrierBeyondWindow { index: first, node: 1_000_000 });
+        assert_eq!((error.code(), part.interface.history()), ("foreign-carrier", own));
         parts.push((part, slaves));
     }
     slide(&mut whole.positions[whole.first..]);

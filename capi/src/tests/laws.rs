@@ -71,6 +71,11 @@ unsafe extern "C" fn coefficient(context: *mut c_void, pressure: f64, rate: f64,
     *found = [value, by_pressure, by_rate];
 }
 
+unsafe extern "C" fn no_coefficient(_: *mut c_void, _: f64, _: f64, found: *mut f64) {
+    // SAFETY: there is room for three numbers.
+    unsafe { *found = f64::NAN };
+}
+
 unsafe extern "C" fn nothing(_: *mut c_void, _: usize, _: f64, _: *mut f64) {}
 
 fn as_functions(laws: &mut Laws) -> dc_law {
@@ -125,6 +130,34 @@ fn functions_of_the_caller_have_the_numbers_of_tables() {
         refused(dc_law { normal_law: Some(nothing), ..LAW }, "invalid-pressure");
     }
     assert_eq!(dc_destroy(handle), DC_OK);
+}
+
+/// A coefficient that is none is a mistake of the caller's own function, not of a state to cut back from.
+#[test]
+fn a_coefficient_that_is_none_is_a_bad_option() {
+    let pair = Pair::new();
+    let mut laws = Laws {
+        normal: TabulatedPressure::new(&GAPS, &PRESSURES).unwrap(),
+        friction: DecayingCoefficient::new(0.5, 0.2, 2.0).unwrap(),
+    };
+    let own = as_functions(&mut laws);
+    let bad = dc_law { friction_law: Some(no_coefficient), ..own };
+    let (_, handle) = pair.make(2);
+    // SAFETY: the arrays have the lengths given.
+    unsafe {
+        assert_eq!(dc_faces_refresh(handle, pair.positions.as_ptr(), pair.nodes(), null_mut()), DC_OK);
+        let accepted =
+            dc_faces_accept(handle, &own, null_mut(), null_mut(), null_mut(), null_mut(), null_mut());
+        assert_eq!(accepted, DC_OK, "{}", message());
+        assert_eq!(dc_faces_evaluate(handle, &bad, 2), DC_BAD_OPTION, "{}", message());
+        assert!(
+            message().starts_with("invalid-coefficient: the coefficient of friction of element "),
+            "{}",
+            message()
+        );
+        assert!(message().contains(" is NaN at the pressure "), "{}", message());
+    }
+    assert_eq!(dc_faces_destroy(handle), DC_OK);
 }
 
 /// Residual and slip errors after a step, after a round for every second node, and after it was rolled back.

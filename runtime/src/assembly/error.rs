@@ -8,19 +8,19 @@ use crate::Mode;
 #[allow(missing_docs)] // The messages say what the fields are.
 pub enum AssemblyError {
     /// The penalty is not a positive finite number.
-    #[error("the penalty must be positive and finite, not {value}")]
+    #[error("the penalty must be positive and finite, not {value:?}")]
     InvalidPenalty { value: f64 },
     /// There is not one multiplier for each element.
     #[error("{found} multipliers for {elements} elements")]
     MultiplierCount { found: usize, elements: usize },
     /// A multiplier is negative or not finite: contact does not pull.
-    #[error("the multiplier of element {element} must be finite and not negative, but is {value}")]
+    #[error("the multiplier of element {element} must be finite and not negative, but is {value:?}")]
     InvalidMultiplier { element: usize, value: f64 },
     /// A gap is NaN or infinite.
-    #[error("the gap of element {element} is {value}")]
+    #[error("the gap of element {element} is {value:?}")]
     InvalidGap { element: usize, value: f64 },
     /// An area is negative or not finite.
-    #[error("the area of element {element} must be finite and not negative, but is {value}")]
+    #[error("the area of element {element} must be finite and not negative, but is {value:?}")]
     InvalidArea { element: usize, value: f64 },
     /// ε or λ − ε g of an element is beyond the range of numbers.
     #[error(
@@ -29,11 +29,11 @@ pub enum AssemblyError {
     ForceOverflow { element: usize, penalty: f64, area: f64, gap: f64 },
     /// A normal law of the caller's own gave what is no pressure p, or no ∂p/∂g.
     #[error(
-        "the normal law gave element {element} at the gap {gap:e} the pressure {pressure}, by the gap {by_gap}: both have to be finite"
+        "the normal law gave element {element} at the gap {gap:e} the pressure {pressure:?}, by the gap {by_gap:?}: both have to be finite"
     )]
     InvalidPressure { element: usize, gap: f64, pressure: f64, by_gap: f64 },
     /// The gap at which a normal law of one's own says that pressure begins, its [`onset`](super::NormalLaw::onset), is not finite.
-    #[error("the pressure of element {element} begins at a gap of {value}, which has to be finite")]
+    #[error("the pressure of element {element} begins at a gap of {value:?}, which has to be finite")]
     InvalidOnset { element: usize, value: f64 },
     /// A normal law of the caller's own and multipliers of the augmented Lagrangian at once.
     #[error("a normal law of one's own takes no multipliers")]
@@ -102,14 +102,26 @@ pub enum AssemblyError {
     /// The friction of an element is not finite. `opening` says how far it was from carrying force when the last step was accepted; it is 0
     /// if it was closed.
     #[error(
-        "the friction of element {element} is not finite: half the square of its slip is {half_square}, it was open by {opening}; a coefficient of one's own has to be finite and not negative"
+        "the friction of element {element} is not finite: half the square of its slip is {half_square:?}, it was open by {opening:?}"
     )]
     InvalidSlip { element: usize, half_square: f64, opening: f64 },
+    /// A coefficient of friction of the caller's own gave what is no μ ≥ 0, ∂μ/∂p or ∂μ/∂v.
+    #[error(
+        "the coefficient of friction of element {element} is {value:?} at the pressure {pressure:e} and the slip rate {rate:e}, by the pressure {by_pressure:?}, by the rate {by_rate:?}: it has to be finite and not negative, its derivatives finite"
+    )]
+    InvalidCoefficient {
+        element: usize,
+        pressure: f64,
+        rate: f64,
+        value: f64,
+        by_pressure: f64,
+        by_rate: f64,
+    },
     /// One triangle of a tangent that is not symmetric was asked for.
     #[error("the exact tangent of friction is not symmetric: one triangle is not all of it")]
     Unsymmetric,
     /// An entry of a vector that is multiplied is NaN or infinite. `equation` is the first such.
-    #[error("entry {equation} of {what} is {value}")]
+    #[error("entry {equation} of {what} is {value:?}")]
     NonFiniteEntry { what: &'static str, equation: usize, value: f64 },
     /// A sum left the range of numbers, or was not finite before anything was added. `equation` is the first such; `what` is `"forces"`,
     /// `"values"`, `"products"` or `"diagonal entries"`.
@@ -159,6 +171,7 @@ impl AssemblyError {
             Self::NoFrictionKernels => "no-friction-kernels",
             Self::NoSlip { .. } => "no-slip",
             Self::InvalidSlip { .. } => "invalid-slip",
+            Self::InvalidCoefficient { .. } => "invalid-coefficient",
             Self::Unsymmetric => "unsymmetric",
         }
     }

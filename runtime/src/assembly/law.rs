@@ -4,7 +4,7 @@ use super::active::{Active, ActiveFriction};
 use super::{
     AssemblyError, ContactView, ElementView, Elements, NormalLaw, NormalPressure, SlipView, Tangent,
 };
-use crate::friction::{Coulomb, FrictionForce, NormalForce};
+use crate::friction::{CoefficientValue, Coulomb, FrictionForce, NormalForce};
 use crate::with::with;
 
 /// The law of contact: a normal law (penalty, augmented Lagrangian, or a [`NormalLaw`] of the user's own) and friction (none, or
@@ -184,6 +184,36 @@ impl<'a> ContactLaw<'a> {
         Some(self.friction?.over(area).force_since(normal, half_square, opening))
     }
 
+    /// Why the friction of element `k` is none: its coefficient, or its slip. `friction`: the law over the area that the pressure and the
+    /// share belong to.
+    pub(crate) fn invalid_friction(
+        friction: &Coulomb<'_>,
+        k: usize,
+        (pressure, share): (f64, f64),
+        (half_square, opening): (f64, f64),
+    ) -> AssemblyError {
+        match friction.unsound_coefficient(pressure, (2.0 * half_square).sqrt(), share) {
+            Some(([pressure, rate], CoefficientValue { value, by_pressure, by_rate })) => {
+                AssemblyError::InvalidCoefficient { element: k, pressure, rate, value, by_pressure, by_rate }
+            }
+            None => AssemblyError::InvalidSlip { element: k, half_square, opening },
+        }
+    }
+
+    /// Why [`friction_by`](Self::friction_by) is none.
+    pub(crate) fn invalid_friction_by(
+        &self,
+        k: usize,
+        normal: NormalForce,
+        area: f64,
+        (half_square, opening): (f64, f64),
+    ) -> AssemblyError {
+        let invalid = AssemblyError::InvalidSlip { element: k, half_square, opening };
+        let Some(friction) = &self.friction else { return invalid };
+        let share = normal.force / (normal.force + self.penalty * area * opening);
+        Self::invalid_friction(&friction.over(area), k, (normal.force, share), (half_square, opening))
+    }
+
     /// Checks the penalty, and that there are no multipliers or one that is finite and not negative for each of `elements`
     /// elements.
     ///
@@ -294,8 +324,8 @@ impl<'a> ContactLaw<'a> {
         let SlipView { half_square, opening, .. } = slip;
         let friction = self.friction_by(normal, contact.area, (half_square, opening));
         let is_finite = half_square.is_finite() && friction.is_none_or(|force| force.check().is_ok());
-        let invalid = AssemblyError::InvalidSlip { element: k, half_square, opening };
-        if is_finite { Ok(()) } else { Err(invalid) }
+        let slip = (half_square, opening);
+        if is_finite { Ok(()) } else { Err(self.invalid_friction_by(k, normal, contact.area, slip)) }
     }
 
     /// What element `k` contributes; `None` if that is nothing. The element is one that passes

@@ -86,8 +86,8 @@ impl FaceInterface {
     /// the nodes, of any length.
     ///
     /// # Errors
-    /// [`AssemblyError::NoSlip`] if a node carries pressure before any state was accepted; [`AssemblyError::InvalidSlip`] for a
-    /// traction that is not finite.
+    /// [`AssemblyError::NoSlip`] if a node carries pressure before any state was accepted; [`AssemblyError::InvalidCoefficient`]
+    /// or [`AssemblyError::InvalidSlip`] for a traction that is not finite.
     pub(super) fn tractions(
         &self,
         law: &ContactLaw<'_>,
@@ -141,11 +141,9 @@ impl FaceInterface {
         let slip = Vector3::from(slip);
         let numbers = traction.iter().chain(&jacobian);
         if !numbers.chain([&sliding.kept]).all(|x| x.is_finite()) {
-            return Err(AssemblyError::InvalidSlip {
-                element,
-                half_square: 0.5 * slip.norm_squared(),
-                opening,
-            });
+            let touched = (node.pressure, sliding.share);
+            let slip = (0.5 * slip.norm_squared(), opening);
+            return Err(ContactLaw::invalid_friction(friction, element, touched, slip));
         }
         let row = |i: usize, first: usize| -> Point {
             let row = &jacobian[7 * i..][..7];
@@ -448,8 +446,9 @@ impl FaceInterface {
     /// no contact until the next [`refresh`](Self::refresh).
     ///
     /// # Errors
-    /// [`InterfaceError::InvalidHistory`], also for a node that is not in the windows; [`InterfaceError::AnchorCount`],
-    /// [`InterfaceError::InvalidOpening`], [`InterfaceError::ForeignCarrier`]. The history of before then stays.
+    /// [`InterfaceError::InvalidHistory`]; [`InterfaceError::CarrierBeyondWindow`] for a node that is not in the windows;
+    /// [`InterfaceError::AnchorCount`], [`InterfaceError::InvalidOpening`], [`InterfaceError::ForeignCarrier`]. The history of before then
+    /// stays.
     pub fn set_history(&mut self, history: &[f64]) -> Result<(), InterfaceError> {
         let tracks = if history.is_empty() { None } else { Some(self.tracks_of(history)?) };
         if self.tracks != tracks || self.augmented.is_some() {
@@ -461,8 +460,12 @@ impl FaceInterface {
 
     fn tracks_of(&self, history: &[f64]) -> Result<Vec<Option<Track>>, InterfaceError> {
         let side = |point: usize| if point.is_multiple_of(2) { Side::Slave } else { Side::Master };
-        let points = from_numbers(history, |point, number| self.node_of(side(point), number));
-        let points = points.map_err(|place| InterfaceError::InvalidHistory { place })?;
+        let points = from_numbers(history, |point, number| match self.node_of(side(point), number) {
+            None if self.is_in_window() => {
+                Err(InterfaceError::CarrierBeyondWindow { index: point / 2, node: number })
+            }
+            node => Ok(node),
+        })?;
         let (pairs, rest) = points.as_chunks::<2>();
         if !rest.is_empty() {
             return Err(InterfaceError::InvalidHistory { place: history.len() });

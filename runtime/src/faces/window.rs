@@ -92,7 +92,7 @@ impl FaceInterface {
     /// # Errors
     /// As [`new`](Self::new) and [`ContactInterface::in_window`]; [`InterfaceError::InvalidOption`] without a limit of the distance;
     /// [`InterfaceError::OtherThanWindow`] where the two windows have other planes of symmetry;
-    /// [`InterfaceError::WrongNumberOfPositions`].
+    /// [`InterfaceError::OtherThanWindows`].
     pub fn in_window(
         master: &Window,
         slave: &Window,
@@ -112,7 +112,10 @@ impl FaceInterface {
             return Err(InterfaceError::OtherThanWindow { what: "symmetry of the slave" });
         }
         let offset = master.nodes().len();
-        InterfaceError::check_count(positions, offset + slave.nodes().len())?;
+        let (found, of_slave) = (positions.len(), slave.nodes().len());
+        if found != offset + of_slave {
+            return Err(InterfaceError::OtherThanWindows { found, master: offset, slave: of_slave });
+        }
         let interface = ContactInterface::in_window(master, Vec::new(), &[], positions, own)?;
         let skin = Skin::in_window(slave, offset, &own)?;
         let faces: Vec<Facet> = slave.core_facets().map(|(_, face)| moved(&face, offset)).collect();

@@ -12,7 +12,7 @@ use crate::assembly::Table;
 ///
 /// It is asked from many threads at once, and has to answer the same each time. A coefficient that is negative or not finite, or has a
 /// derivative that is not finite, ends the assembly with
-/// [`AssemblyError::InvalidSlip`](crate::assembly::AssemblyError::InvalidSlip).
+/// [`AssemblyError::InvalidCoefficient`](crate::assembly::AssemblyError::InvalidCoefficient).
 pub trait FrictionCoefficient: fmt::Debug + Send + Sync {
     /// μ and its derivatives at the pressure p > 0 (force per area; over nodes without areas the force) and the slip rate v ≥ 0, length
     /// per time. Sticking contacts are asked for v = 0: there it is the coefficient of rest.

@@ -23,6 +23,8 @@ mod coefficient;
 mod error;
 mod force;
 
+use std::cell::Cell;
+
 use diffuse_contact_kernels::{coulomb, coulomb_sliding, traction, traction_sliding};
 
 pub use coefficient::{CoefficientValue, DecayingCoefficient, FrictionCoefficient, TabulatedCoefficient};
@@ -190,6 +192,31 @@ impl<'a> Coulomb<'a> {
             CoefficientValue { by_pressure: by_area.by_pressure / area, ..by_area }
         });
         Some((found, duration))
+    }
+
+    /// The pressure, the rate and what the law gave there that is no coefficient, if that is why a friction is none. Arguments are those of
+    /// the contact's normal force, its slip, and the part of it since the place of touch.
+    pub(crate) fn unsound_coefficient(
+        &self,
+        pressure: f64,
+        slip: f64,
+        share: f64,
+    ) -> Option<([f64; 2], CoefficientValue)> {
+        let Coefficient::Variable { law, duration, area } = self.coefficient else { return None };
+        let found = Cell::new(None);
+        let ask = |rate: f64| {
+            let value = law.coefficient(pressure / area, rate);
+            let by_area = value.or_nan();
+            if by_area.value.is_nan() && rate.is_finite() && found.get().is_none() {
+                found.set(Some(([pressure / area, rate], value)));
+            }
+            CoefficientValue { by_pressure: by_area.by_pressure / area, ..by_area }
+        };
+        if !ask(0.0).value.is_nan() {
+            let (stiffness, limit, in_touch) = (self.stiffness, self.shear_limit, share * duration);
+            SlipRate { slip: share * slip, pressure, stiffness, limit, in_touch }.find(ask);
+        }
+        found.get()
     }
 
     /// t_A and its derivatives over faces, for a way and a normal of any length (docs/equations.md, section 18), and what becomes of

@@ -222,18 +222,20 @@ impl ContactInterface {
     /// pairings end: refresh them.
     ///
     /// # Errors
-    /// [`InterfaceError::InvalidHistory`], also for a node that is not in the window of this interface; and as
-    /// [`set_anchors`](Self::set_anchors). The history of before then stays.
+    /// [`InterfaceError::InvalidHistory`]; [`InterfaceError::CarrierBeyondWindow`] for a node that is not in the window of this interface;
+    /// and as [`set_anchors`](Self::set_anchors). The history of before then stays.
     pub fn set_history(&mut self, history: &[f64]) -> Result<(), InterfaceError> {
         if history.is_empty() {
             return self.set_anchors(None);
         }
-        let anchors = from_numbers(history, |_, number| match &self.known {
-            Some(known) => known.node_of(number),
-            None => u32::try_from(number).ok(),
+        let anchors = from_numbers(history, |index, number| match &self.known {
+            Some(known) => {
+                let node = known.node_of(number);
+                node.map(Some).ok_or(InterfaceError::CarrierBeyondWindow { index, node: number })
+            }
+            None => Ok(u32::try_from(number).ok()),
         });
-        let anchors = anchors.map_err(|place| InterfaceError::InvalidHistory { place })?;
-        self.set_anchors(Some(anchors))
+        self.set_anchors(Some(anchors?))
     }
 
     /// The anchors that friction is measured from: those of the last accepted step, or what augmentation made of them.
@@ -332,8 +334,8 @@ impl Evaluator<'_> {
         if let (Some(force), Some(old)) = (force, old)
             && force.check().is_err()
         {
-            let (half_square, opening) = (slip.half_square, old.opening);
-            return Err(AssemblyError::InvalidSlip { element: k, half_square, opening }.into());
+            let slip = (slip.half_square, old.opening);
+            return Err(law.invalid_friction_by(k, pressed, area, slip).into());
         }
         let is_open = !(pressed.force > 0.0);
         let opening = if is_open { law.opening(k, gap)? } else { 0.0 };

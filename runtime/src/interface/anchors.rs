@@ -66,28 +66,33 @@ fn push_terms(point: &AffinePoint, number_of: impl Fn(u32) -> f64, numbers: &mut
     }
 }
 
-/// What [`to_numbers`] made numbers of. The error is the place of a number that is none of a history; of weights that do not add up to
-/// one it is the first. `node_of`: the node of a number in the k-th anchor, if there is one.
+/// What [`to_numbers`] made numbers of. Of weights that do not add up to one the first is said to be none of a history. `node_of`: the node
+/// of a number in the k-th anchor; `None` for a number that names none, and an error for a node that is not there.
+///
+/// # Errors
+/// [`InterfaceError::InvalidHistory`], and those of `node_of`.
 pub fn from_numbers(
     numbers: &[f64],
-    node_of: impl Fn(usize, u64) -> Option<u32>,
-) -> Result<Vec<Option<Anchor>>, usize> {
+    node_of: impl Fn(usize, u64) -> Result<Option<u32>, InterfaceError>,
+) -> Result<Vec<Option<Anchor>>, InterfaceError> {
+    let none = |place: usize| InterfaceError::InvalidHistory { place };
     let number = |place: usize| {
-        let value = numbers.get(place).copied().ok_or(place)?;
+        let value = numbers.get(place).copied().ok_or_else(|| none(place))?;
         let is_number = value >= 0.0 && value < LARGEST_NUMBER as f64 && value.fract() == 0.0;
-        if is_number { Ok(value as u64) } else { Err(place) }
+        if is_number { Ok(value as u64) } else { Err(none(place)) }
     };
-    let index = |place: usize| u32::try_from(number(place)?).map_err(|_| place);
+    let index = |place: usize| u32::try_from(number(place)?).map_err(|_| none(place));
     let point = |anchor: usize, start: usize, count: usize| {
         let mut terms = Vec::new();
         for at in (0..count).map(|k| start + 3 * k) {
             let image = if numbers.get(at + 1) == Some(&-1.0) { None } else { Some(index(at + 1)?) };
-            let weight = numbers.get(at + 2).copied().filter(|weight| weight.is_finite()).ok_or(at + 2)?;
-            let node = node_of(anchor, number(at)?).ok_or(at)?;
+            let weight = numbers.get(at + 2).copied().filter(|weight| weight.is_finite());
+            let weight = weight.ok_or_else(|| none(at + 2))?;
+            let node = node_of(anchor, number(at)?)?.ok_or_else(|| none(at))?;
             terms.push((Carrier { node, image }, weight));
         }
         // Of weights that do not add up to one any may be wrong.
-        AffinePoint::new(terms).map_err(|_| start + 2)
+        AffinePoint::new(terms).map_err(|_| none(start + 2))
     };
     let mut anchors = Vec::new();
     let mut place = 0;
@@ -104,7 +109,7 @@ pub fn from_numbers(
             place += 2 + 3 * count;
         }
         let count = index(place)? as usize;
-        let opening = numbers.get(place + 1).copied().ok_or(place + 1)?;
+        let opening = numbers.get(place + 1).copied().ok_or_else(|| none(place + 1))?;
         let point = point(anchors.len(), place + 2, count)?;
         anchors.push(Some(Anchor { point, opening, origin }));
         place += 2 + 3 * count;

@@ -22,7 +22,7 @@ pub enum InterfaceError {
     #[error("the nodes of the master surface: {0}")]
     MasterNodes(#[source] ElementError),
     /// An option is outside its range.
-    #[error("the option {name} must be {range}, not {value}")]
+    #[error("the option {name} must be {range}, not {value:?}")]
     InvalidOption { name: &'static str, range: &'static str, value: f64 },
     /// A frame that is held needs masters that are found by another rule than their domains of influence.
     #[error("a frame that is held needs another neighbour rule than \"domains\", such as \"hull-layers\"")]
@@ -49,8 +49,13 @@ pub enum InterfaceError {
         "the anchor of slave {index} is carried by node {node}, which is not on the master surface, or by an image that it does not have"
     )]
     ForeignCarrier { index: usize, node: u32 },
+    /// An anchor of a saved history is carried by a node that is not in the window. `node` is its number of the whole.
+    #[error(
+        "the anchor of slave {index} is carried by node {node}, which is not in the window: its boxes have to hold the anchors of its slaves"
+    )]
+    CarrierBeyondWindow { index: usize, node: u64 },
     /// The gap that a contact was open by is negative or not finite.
-    #[error("the anchor of slave {index} says that it was open by {value}")]
+    #[error("the anchor of slave {index} says that it was open by {value:?}")]
     InvalidOpening { index: usize, value: f64 },
     /// The window of a surface is none, or not for these options.
     #[error(transparent)]
@@ -93,6 +98,14 @@ pub enum InterfaceError {
     /// The number of positions is not the one the interface was made with.
     #[error("{found} positions, but the interface was made with {expected}")]
     WrongNumberOfPositions { found: usize, expected: usize },
+    /// There are fewer positions than nodes of the window.
+    #[error("{found} positions, but the window has {expected} nodes, whose positions come first")]
+    FewerThanWindow { found: usize, expected: usize },
+    /// There are not as many positions as nodes of the two windows together.
+    #[error(
+        "{found} positions, but the windows have {master} nodes of the master and {slave} of the slave, {} in all", master + slave
+    )]
+    OtherThanWindows { found: usize, master: usize, slave: usize },
     /// The results do not fit into memory; [`for_each`](super::ContactInterface::for_each) does not hold them all.
     #[error("no memory for {numbers} numbers of results")]
     OutOfMemory { numbers: usize },
@@ -118,7 +131,7 @@ impl InterfaceError {
             Self::FacesNeedDomains => "faces-need-domains",
             Self::InvalidHistory { .. } => "invalid-history",
             Self::AnchorCount { .. } => "anchor-count",
-            Self::ForeignCarrier { .. } => "foreign-carrier",
+            Self::ForeignCarrier { .. } | Self::CarrierBeyondWindow { .. } => "foreign-carrier",
             Self::InvalidOpening { .. } => "invalid-opening",
             Self::Window(error) => error.code(),
             Self::OtherThanWindow { .. } => "other-than-window",
@@ -131,7 +144,9 @@ impl InterfaceError {
             Self::SlaveOnMaster { .. } => "slave-on-master",
             Self::SlaveBehindSymmetry { .. } => "slave-behind-symmetry",
             Self::SlaveWithoutArea { .. } => "slave-without-area",
-            Self::WrongNumberOfPositions { .. } => "wrong-number-of-positions",
+            Self::WrongNumberOfPositions { .. }
+            | Self::FewerThanWindow { .. }
+            | Self::OtherThanWindows { .. } => "wrong-number-of-positions",
             Self::OutOfMemory { .. } => "out-of-memory",
         }
     }

@@ -43,10 +43,7 @@ impl ContactInterface {
 
     /// Whether slaves have been paired since the interface was made, or got planes of symmetry.
     pub(crate) fn check_refreshed(&self) -> Result<(), InterfaceError> {
-        let records = &self.pairings.records;
-        let is_paired =
-            records.is_empty() || records.iter().any(|record| !matches!(record, Err(NoContact::NotPaired)));
-        if is_paired { Ok(()) } else { Err(InterfaceError::NotRefreshed) }
+        if self.pairings.is_made { Ok(()) } else { Err(InterfaceError::NotRefreshed) }
     }
 
     fn evaluate_as(&mut self, request: Request<'_>) -> Result<&Contacts, InterfaceError> {

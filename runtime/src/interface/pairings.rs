@@ -21,6 +21,8 @@ pub struct Record {
 /// Pairing data of all slaves.
 #[derive(Clone, Debug)]
 pub struct Pairings {
+    /// Whether they are of a refresh: slaves may be none.
+    pub is_made: bool,
     /// Slaves and their masters. Masters are ascending; those of a node-to-facet element are in the facet's order, and after them come
     /// carriers of its anchors that are no corners.
     pub layout: Arc<Layout>,
@@ -106,6 +108,7 @@ impl Pairings {
         let layout = Arc::new(Layout::new(slaves, areas, lengths, Vec::new()));
         let [patches, images, auxiliary] = <[Lists; 3]>::default();
         Self {
+            is_made: false,
             layout,
             records,
             holds,

@@ -172,7 +172,20 @@ impl Refresh<'_> {
         }
         let lengths = places.iter().map(|place| chunks[place / CHUNK].masters.range(place % CHUNK).len());
         let layout = Layout::new(old.slaves().to_vec(), old.areas().to_vec(), lengths, masters).into();
-        (Pairings { layout, records, holds, frames, patches, sheet_nodes, images, auxiliary }, report)
+        (
+            Pairings {
+                is_made: true,
+                layout,
+                records,
+                holds,
+                frames,
+                patches,
+                sheet_nodes,
+                images,
+                auxiliary,
+            },
+            report,
+        )
     }
 
     /// Pairs the `k`-th slave and books it.

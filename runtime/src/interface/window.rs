@@ -91,7 +91,7 @@ impl ContactInterface {
     ///
     /// # Errors
     /// As [`new`](Self::new); [`InterfaceError::Window`] for a window with something missing; [`InterfaceError::OtherThanWindow`] for
-    /// other options; [`InterfaceError::WrongNumberOfPositions`] for fewer positions than nodes of the window.
+    /// other options; [`InterfaceError::FewerThanWindow`] for fewer positions than nodes of the window.
     pub fn in_window(
         window: &Window,
         slaves: Vec<usize>,
@@ -103,7 +103,7 @@ impl ContactInterface {
         window.check_options(&options)?;
         let (found, expected) = (positions.len(), window.nodes().len());
         if found < expected {
-            return Err(InterfaceError::WrongNumberOfPositions { found, expected });
+            return Err(InterfaceError::FewerThanWindow { found, expected });
         }
         let (master, domains, creases) = window.surface()?;
         let setup = &window.setup;

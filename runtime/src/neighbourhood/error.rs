@@ -44,7 +44,7 @@ pub enum NeighbourhoodError {
     )]
     UnsupportedBasis { basis: &'static str },
     /// An option is outside its range.
-    #[error("the option {name} must be {range}, not {value}")]
+    #[error("the option {name} must be {range}, not {value:?}")]
     InvalidOption { name: &'static str, range: &'static str, value: f64 },
     /// The numbers overflowed although the input was finite (coordinates beyond about 1e150).
     #[error("the search overflows: a {what} is not a finite number")]

@@ -18,7 +18,7 @@ pub enum SurfaceError {
     #[error("facet {facet} has node {node} for two of its corners")]
     RepeatedNode { facet: usize, node: usize },
     /// A coordinate is NaN or infinite, or beyond ±10⁷⁵, where areas squared overflow.
-    #[error("node {node} has a coordinate that is not a finite number below 1e75: {value}")]
+    #[error("node {node} has a coordinate that is not a finite number below 1e75: {value:?}")]
     NonFinitePosition { node: usize, value: f64 },
     /// The corners of a quadrilateral are not in cyclic order: its outline crosses itself. The facet is convex in the `order` given.
     #[error(
@@ -46,7 +46,7 @@ pub enum SurfaceError {
     TooFewPositions { found: usize, needed: usize },
     /// A symmetry plane's normal is no unit vector, or its point is not finite.
     #[error(
-        "symmetry plane {plane} has a normal of length {length}, not a unit vector, or a point that is not finite"
+        "symmetry plane {plane} has a normal of length {length:?}, not a unit vector, or a point that is not finite"
     )]
     InvalidSymmetry { plane: usize, length: f64 },
     /// Two symmetry planes meet at an angle in the surface at which their images do not fill all round.

@@ -53,6 +53,17 @@ impl NormalLaw for Nowhere {
     }
 }
 
+/// A coefficient of rest alone.
+#[derive(Debug)]
+struct BadInMotion;
+
+impl FrictionCoefficient for BadInMotion {
+    fn coefficient(&self, _pressure: f64, rate: f64) -> CoefficientValue {
+        let value = if rate == 0.0 { 0.3 } else { f64::NAN };
+        CoefficientValue { value, by_pressure: 0.0, by_rate: 0.0 }
+    }
+}
+
 impl FrictionCoefficient for Bad {
     fn coefficient(&self, _pressure: f64, _rate: f64) -> CoefficientValue {
         CoefficientValue { value: -0.1, by_pressure: 0.0, by_rate: 0.0 }
@@ -142,7 +153,9 @@ fn laws_that_give_no_numbers_are_refused() {
     refused(&plain.with_normal(Some(&Bad)), "invalid-pressure");
     refused(&plain.with_normal(Some(&Bad)).with_multipliers(Some(&[])), "multipliers-of-own-law");
     let friction = Coulomb::variable(&Bad, DURATION, STIFFNESS).ok();
-    refused(&plain.with_friction(friction), "invalid-slip");
+    refused(&plain.with_friction(friction), "invalid-coefficient");
+    let friction = Coulomb::variable(&BadInMotion, DURATION, 1e9).ok();
+    refused(&plain.with_friction(friction), "invalid-coefficient");
     let (_, mut own, _) = block(&plain.with_friction(Coulomb::new(0.3, 1.0).ok()), 0.05);
     assert_eq!(own.accept(&plain.with_normal(Some(&Nowhere))).unwrap_err().code(), "invalid-onset");
     for duration in [0.0, f64::NAN] {

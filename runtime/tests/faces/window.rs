@@ -252,7 +252,7 @@ fn a_history_of_nodes_beyond_the_windows_is_refused() {
     let foreign = histories.values().find(|own| !is_known(own, &numbers)).unwrap();
     let of_node = |k: usize| if k == 0 { foreign.clone() } else { vec![-1.0, -1.0] };
     let history: Vec<f64> = (0..part.slaves().len()).flat_map(of_node).collect();
-    assert_eq!(part.set_history(&history).unwrap_err().code(), "invalid-history");
+    assert_eq!(part.set_history(&history).unwrap_err().code(), "foreign-carrier");
     assert_eq!(part.history(), kept);
 }
 

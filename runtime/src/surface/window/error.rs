@@ -10,6 +10,11 @@ pub enum WindowError {
     /// A number is out of its range, or an order is not kept. `what` is what the number should be, `place` its place among those.
     #[error("{what} {place} of the window is none")]
     Invalid { what: &'static str, place: usize },
+    /// There are no windows to be joined.
+    #[error(
+        "there is no window to join: of each owner of a part of the surface there has to be one, without facets if need be"
+    )]
+    None,
     /// Two windows have the same node or facet with other data: they are of different surfaces, or of different options.
     #[error("two windows differ in {what} {number}")]
     Differs { what: &'static str, number: u64 },
@@ -20,7 +25,7 @@ pub enum WindowError {
     #[error(transparent)]
     Surface(#[from] SurfaceError),
     /// A box is none, or the skin is negative: a number of them is not finite, or a lowest corner is above the highest.
-    #[error("box {place} is none, or the skin {skin} is negative or not finite")]
+    #[error("box {place} is none, or the skin {skin:?} is negative or not finite")]
     InvalidBox { place: usize, skin: f64 },
     /// Extents said to be of the whole surface are not finite, or do not hold the own facets. `along` is `"x"`, `"y"`, `"z"`, or
     /// `"a facet"` for the largest extent of one, which begins with 0.
@@ -44,7 +49,7 @@ impl WindowError {
     /// Stable machine-readable code.
     pub const fn code(&self) -> &'static str {
         match self {
-            Self::Invalid { .. } => "invalid-window",
+            Self::Invalid { .. } | Self::None => "invalid-window",
             Self::Differs { .. } => "different-windows",
             Self::Incomplete { .. } => "incomplete-window",
             Self::Surface(error) => error.code(),

@@ -260,11 +260,11 @@ impl Window {
     /// Windows for the same slaves from the owners of several parts of the surface, as one. The boxes and the skin have to be the same.
     ///
     /// # Errors
-    /// [`WindowError::Differs`] for windows of different surfaces, options, boxes, skins or positions; [`WindowError::Invalid`] without a
+    /// [`WindowError::Differs`] for windows of different surfaces, options, boxes, skins or positions; [`WindowError::None`] without a
     /// window.
     pub fn joined(windows: &[Self]) -> Result<Self, WindowError> {
         let [first, others @ ..] = windows else {
-            return Err(WindowError::Invalid { what: "part", place: 0 });
+            return Err(WindowError::None);
         };
         for (number, other) in (1..).zip(others) {
             if other.setup != first.setup {

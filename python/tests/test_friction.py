@@ -159,6 +159,16 @@ def test_an_operator_is_refused_friction_that_has_no_history(scene):
     assert raised.value.code == "no-anchors"
 
 
+def test_any_sequence_of_numbers_is_a_law(scene, started):
+    at(started, slid(scene, [0.05, 0.0, 0.0]))
+    expected = started.forces(PENALTY, friction=(0.3, 1e3))
+    for friction in ([0.3, 1e3], np.array([0.3, 1e3])):
+        assert np.array_equal(started.forces(PENALTY, friction=friction), expected)
+    for friction in ([0.3], (0.3, 1.0, 2.0, 3.0), np.zeros(0)):
+        with pytest.raises(dc.InputError, match="a sequence has 2 or 3 numbers"):
+            started.forces(PENALTY, friction=friction)
+
+
 def test_a_history_goes_on_elsewhere(scene, started):
     at(started, slid(scene, [0.05, 0.0, 0.0]))
     report = started.accept(PENALTY, friction=FRICTION)

@@ -147,7 +147,8 @@ class FaceInterface(FrictionHistory):
             quadrilateral of second order and what lies over it.
         pressures: where they follow from gaps: ``"nodes"``, from the average gap around each, or ``"points"``, at each
             integration point from its own gap. Points are for faces that are coarse beside the master's curvature,
-            where an average gap closes late; a stiff penalty makes their pressures rough.
+            where an average gap closes late, and for slaves that go over an edge; a stiff penalty makes their pressures
+            rough.
         dofs: equations of the nodes' x, y and z, shape (p, 3), −1 where there is none; if left out, 3·node + axis.
         equations: number of equations; if left out, 3p, or the largest of ``dofs`` plus 1.
         symmetry: planes of symmetry of both surfaces, pairs of a point and the unit normal to the side of the model.
@@ -393,6 +394,9 @@ class FaceInterface(FrictionHistory):
 
     def tangent(self, tangent: Tangent = "exact") -> scipy.sparse.csr_matrix:
         """K = −∂R/∂x as scipy compressed rows, shape (equations, equations), force per length; not symmetric.
+
+        It holds the integration points in their places on the faces, as ``update`` does while nothing has moved by more
+        than 1e-5 of the smallest facet. A check by differences takes steps below 1e-6 of a facet.
 
         Args:
             tangent: ``"exact"``, or ``"gauss-newton"`` without what the directions of the forces add;

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any, Literal
 
@@ -124,7 +125,7 @@ class Coulomb:
         _native.check_law(law_of(1.0, None, friction=self))
 
 
-Friction = float | tuple[float, float] | tuple[float, float, float] | Coulomb
+Friction = float | Sequence[float] | Coulomb
 
 
 @dataclass(frozen=True)
@@ -159,9 +160,10 @@ def _friction(friction: Any, penalty: float) -> _Friction:
             coefficient = (law.pressures, law.rates, np.ravel(law.coefficients))
         stiffness = penalty if friction.stiffness is None else friction.stiffness
         return _Friction(coefficient, stiffness, friction.shear_limit, friction.duration, friction.augmented)
-    numbers = friction if isinstance(friction, tuple) else (friction, penalty)
+    is_sequence = isinstance(friction, tuple | list) or np.ndim(friction) == 1
+    numbers = tuple(friction) if is_sequence else (friction, penalty)
     if len(numbers) not in (2, 3):
-        raise InputError(f"friction: a tuple has 2 or 3 numbers, not {len(numbers)}", "wrong-shape")
+        raise InputError(f"friction: a sequence has 2 or 3 numbers, not {len(numbers)}", "wrong-shape")
     coefficient, stiffness, *limit = numbers
     shear_limit = number("shear_limit", limit[0]) if limit else None
     return _Friction(number("friction", coefficient), number("stiffness", stiffness), shear_limit, None, False)

@@ -93,6 +93,33 @@ fn a_plane_that_nodes_may_leave_is_named() {
     assert_eq!(free(both, 1), [("\"y\"".to_owned(), 7)]);
 }
 
+/// Rollers over a half of a tube: over faces the tube's own surface ends in the plane, if they cross it.
+#[test]
+fn planes_that_a_rigid_master_crosses_are_named_over_faces() {
+    let text =
+        std::fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("../examples/squeezed_tube.toml"));
+    let of = |text: &str| proposed(&Deck::parse(text).unwrap());
+    let text = text.unwrap();
+    let faces = text.replace("slave = \"tube.outer\"", "slave = \"tube.outer\"\nintegration = \"faces\"");
+    assert!(of(&text).iter().all(|own| own.crossed_planes.is_empty()));
+    let found = of(&faces);
+    // The slice is straight along x: where it ends, the rollers may go on.
+    let crossed: Vec<&[String]> = found.iter().map(|own| &own.crossed_planes[..]).collect();
+    let y = ["\"y\"".to_owned()];
+    assert_eq!(crossed, [&y[..], &y, &[]]);
+    let notes = found[0].notes();
+    assert!(
+        notes.iter().any(|note| note.contains("cut the master at the plane and add `symmetry = [\"y\"]`")),
+        "{notes:?}"
+    );
+    // Rollers that end in it.
+    let cut = faces.replace("[0.0, 180.0]", "[0.0, 90.0]").replace("[180.0, 360.0]", "[270.0, 360.0]");
+    assert_ne!(cut, faces);
+    let found = of(&cut);
+    assert!(found.iter().all(|own| own.crossed_planes.is_empty()));
+    assert_eq!(found[0].symmetry.as_deref(), Some("symmetry = [\"y\"]"));
+}
+
 /// A floor that deforms.
 const SOFT: &str = "shape = \"box\"\nsize = [3.0, 2.0, 1.0]\ndivisions = [6, 4, 2]\nmaterial = \"soft\"";
 

@@ -7,7 +7,7 @@ use diffuse_contact::interface::Outcome;
 use diffuse_contact_mesh::names::shown;
 use serde::{Deserialize, Serialize};
 
-use super::proposal::{free_planes, idle_planes, symmetry_line};
+use super::proposal::{crossed_planes, free_planes, idle_planes, symmetry_line};
 use super::tracks::all_behind;
 use super::{Fallbacks, Integration, Interaction};
 use crate::model::Model;
@@ -66,6 +66,10 @@ pub struct Beginning {
     /// Planes of symmetry across an axis, as the deck has them, and how many nodes in them are free to move along it.
     #[serde(default)]
     pub free_planes: Vec<(String, usize)>,
+    /// Planes in which the slave ends where boundary conditions are those of symmetry, as decks have them, and which a rigid master crosses;
+    /// over faces.
+    #[serde(default)]
+    pub crossed_planes: Vec<String>,
 }
 
 /// Of the first pass; 0 where a slave has contact.
@@ -145,6 +149,7 @@ impl Beginning {
             symmetry: symmetry_line(interaction, problem, &model.deformable()),
             idle_planes: idle_planes(interaction, problem.start_positions()),
             free_planes: free_planes(interaction, problem, &model.deformable()),
+            crossed_planes: crossed_planes(interaction, problem, &model.deformable()),
         }
     }
 
@@ -157,7 +162,17 @@ impl Beginning {
                 shown(&self.interface)
             )
         };
-        self.symmetry.iter().map(note).collect()
+        let mut notes: Vec<String> = self.symmetry.iter().map(note).collect();
+        if !self.crossed_planes.is_empty() {
+            notes.push(format!(
+                "interface `{}`: the slave ends where boundary conditions are those of a plane of symmetry, but the rigid master crosses it, \
+                 so that over faces the slave's surface ends there as at a border; cut the master at the plane and add `symmetry = [{}]` to \
+                 the interface",
+                shown(&self.interface),
+                self.crossed_planes.join(", ")
+            ));
+        }
+        notes
     }
 
     /// What may be wrong with the start, in sentences.

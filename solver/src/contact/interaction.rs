@@ -104,6 +104,9 @@ pub enum Augmented {
 /// A point of a face that lies deeper than the average by this factor is so by the faces' shape.
 const DEEPER: f64 = 3.0;
 
+/// A point whose gap is this part of the least average touches long before it.
+const NEARER: f64 = 0.1;
+
 /// Two surfaces that do not penetrate each other.
 #[derive(Debug)]
 pub struct Interaction {
@@ -227,6 +230,20 @@ impl Interaction {
             }
         }
         all
+    }
+
+    /// Whether all average gaps over its faces are open, while points of the faces are far nearer to the master, at the last evaluation:
+    /// pressures of points close them. With multipliers there are none.
+    pub(super) fn is_late(&self) -> bool {
+        let is_averaged =
+            |pass: &&Box<dyn Pass>| !pass.has_point_pressures() && self.options.augmentation.is_none();
+        self.passes.iter().filter(is_averaged).any(|pass| {
+            let least = |gaps: &mut dyn Iterator<Item = f64>| gaps.fold(f64::INFINITY, f64::min);
+            let average = least(&mut pass.slaves().filter_map(|slave| slave.gap));
+            // Over nodes there are none.
+            let points = pass.integration_points().unwrap_or_default();
+            average > 0.0 && least(&mut points.iter().map(|point| point.gap)) < NEARER * average
+        })
     }
 
     /// Forces on each of `count` nodes at the last evaluation.
@@ -401,6 +418,11 @@ impl Interaction {
     /// Facets of both sides.
     pub(crate) fn facets(&self) -> &[Facet] {
         &self.facets
+    }
+
+    /// Facets of the slave and of the master; of a surface in contact with itself there are no others.
+    pub(super) fn sides(&self) -> (&[Facet], &[Facet]) {
+        self.facets.split_at(self.slave_facets)
     }
 
     /// Whether it presses the same two surfaces together as another one, in whichever roles.

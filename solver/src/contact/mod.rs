@@ -338,6 +338,11 @@ impl ContactSet {
         self.named(move |own| own.penetration(longest)).filter(|(_, found)| !found.is_none())
     }
 
+    /// Names of the interfaces over faces whose average gaps are open, but points of whose faces nearly touch, at the last evaluation.
+    pub fn late(&self) -> impl Iterator<Item = String> {
+        self.named(Interaction::is_late).filter(|(_, is_late)| *is_late).map(|(name, _)| name)
+    }
+
     /// What is found of each interaction, with its name.
     fn named<T>(&self, find: impl Fn(&Interaction) -> T) -> impl Iterator<Item = (String, T)> {
         self.interactions.iter().map(move |own| (own.options().name.clone(), find(own)))

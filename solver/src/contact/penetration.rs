@@ -64,30 +64,58 @@ impl Penetration {
         }
     }
 
-    /// What to think of it, in a sentence about an interface with this penalty; `None` if it is nothing.
-    pub fn warning(&self, interface: &str, penalty: f64) -> Option<String> {
+    /// What to think of it, in sentences about an interface with this penalty.
+    pub fn warnings(&self, interface: &str, penalty: f64) -> Vec<String> {
+        let interface = shown(interface);
         let Self { slaves, part, points, part_of_points, part_of_motion } = self;
-        if self.is_none() {
-            return None;
+        let mut warnings = Vec::new();
+        if *slaves > 0 {
+            warnings.push(format!(
+                "interface `{interface}`: up to {slaves} slaves ended an increment deeper below the master than 5 % of the size of their \
+                 facets, by up to {:.1} %, with the penalty {penalty:.3e}: a stiffer one, or method = \"augmented-lagrangian\", lets them in \
+                 less",
+                100.0 * part
+            ));
         }
-        if *slaves == 0 {
+        if *points > 0 || *part_of_motion > LATE {
             let by = if *points > 0 {
                 format!("by up to {:.1} % of the faces' size", 100.0 * part_of_points)
             } else {
                 format!("by {:.1} % of the longest way of a node", 100.0 * part_of_motion)
             };
-            return Some(format!(
-                "interface `{}`: points of the slave's faces lay deeper below the master than the average gaps of their nodes, {by}: the faces \
-                 are coarse beside the master's curvature, so that contact begins late and forces are inaccurate; smaller faces, exchanged \
-                 roles, integration = \"nodes\", or without multipliers pressures of points help",
-                shown(interface)
+            warnings.push(format!(
+                "interface `{interface}`: points of the slave's faces lay deeper below the master than the average gaps of their nodes, {by}: \
+                 the faces are coarse beside the master's curvature, or the slave's surface goes over an edge, so that contact begins late and \
+                 forces are inaccurate; without multipliers pressures of points (integration = {{ over = \"faces\", pressures = \"points\" }}) \
+                 help in both cases, smaller faces, exchanged roles or integration = \"nodes\" in the first, and a slave of the pressed face \
+                 alone in the second"
             ));
         }
-        Some(format!(
-            "interface `{}`: up to {slaves} slaves ended an increment deeper below the master than 5 % of the size of their facets, by up to \
-             {:.1} %, with the penalty {penalty:.3e}: a stiffer one, or method = \"augmented-lagrangian\", lets them in less",
-            shown(interface),
-            100.0 * part
-        ))
+        warnings
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A soft penalty is no reason not to say that averages close late.
+    #[test]
+    fn deep_slaves_do_not_hide_deep_points() {
+        let slaves = Penetration { slaves: 4, part: 0.067, ..Penetration::default() };
+        let points = Penetration { points: 68, part_of_points: 0.171, ..Penetration::default() };
+        let late = Penetration { part_of_motion: 0.5, ..Penetration::default() };
+        let said = |found: Penetration| found.warnings("c", 8e3);
+        assert!(said(Penetration::default()).is_empty());
+        let [deep] = &said(slaves)[..] else { panic!("one") };
+        assert!(deep.contains("up to 4 slaves ended an increment deeper below the master"), "{deep}");
+        for found in [points, late] {
+            let [coarse] = &said(found)[..] else { panic!("one") };
+            assert!(coarse.contains(
+                "the faces are coarse beside the master's curvature, or the slave's surface goes over an edge"
+            ));
+            assert!(coarse.contains("pressures = \"points\""), "{coarse}");
+            assert_eq!(said(slaves.max(found)), [deep.clone(), coarse.clone()]);
+        }
     }
 }

@@ -5,13 +5,16 @@ use std::collections::{BTreeMap, BTreeSet};
 use diffuse_contact::Point;
 use diffuse_contact::interface::ContactElement;
 use diffuse_contact::neighbourhood::NeighbourRule;
-use diffuse_contact::surface::SymmetryPlane;
+use diffuse_contact::surface::{Facet, SymmetryPlane};
 
-use super::Interaction;
+use super::{Integration, Interaction};
 use crate::statics::Problem;
 
 /// Nodes are in a plane when they are as near to it as this part of the master's extent; so is a plane that is named.
 const ON_PLANE: f64 = 1e-6;
+
+/// Sine of the angle between a facet and the perpendicular to a plane from which their mirror image makes another surface: half a degree.
+const ASLANT: f64 = 0.01;
 
 /// The line of the deck that names the planes of an interaction and those that its boundary conditions propose; `None` if they propose
 /// none, or there are no nodal domains, which alone need them.
@@ -60,19 +63,87 @@ pub fn free_planes(
     interaction.options().symmetry.iter().filter_map(of_plane).collect()
 }
 
+/// The planes across an axis in which the slave ends where boundary conditions are those of symmetry, as decks have them, but which a rigid
+/// master crosses, so that they cannot be named. Over faces the slave's own smooth surface then ends there as at a border. Where it meets
+/// the plane at right angles that makes no difference.
+pub fn crossed_planes(interaction: &Interaction, problem: &Problem, deformable: &[bool]) -> Vec<String> {
+    let options = interaction.options();
+    let is_smooth = matches!(options.interface.element, ContactElement::Diffuse { .. });
+    if options.integration == Integration::Nodes || options.self_contact || !is_smooth {
+        return Vec::new();
+    }
+    let (positions, rests) = (problem.start_positions(), problem.supports().at_rest());
+    let (slave, master) = interaction.sides();
+    let nodes_of = |side: &[Facet]| -> BTreeSet<usize> {
+        side.iter().flat_map(|facet| facet.corners()).copied().collect()
+    };
+    let (slaves, masters) = (nodes_of(slave), nodes_of(master));
+    let tolerance = ON_PLANE * extent(&slaves, positions);
+    let edges = edges(slave);
+    let mut planes = Vec::new();
+    for axis in 0..3 {
+        let along = |node: usize| positions[node][axis];
+        let all = slaves.iter().map(|&node| along(node));
+        let [low, high] =
+            all.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], x| [low.min(x), high.max(x)]);
+        for (end, side) in [(low, 1.0), (high, -1.0)] {
+            let is_in = |node: usize| (along(node) - end).abs() <= tolerance;
+            let at_end = |facet: &&Facet| {
+                let corners = facet.corners();
+                let mut own = (0..corners.len()).map(|k| edge(corners[k], corners[(k + 1) % corners.len()]));
+                own.any(|edge| edges[&edge] == 1 && edge.iter().all(|&node| is_in(node)))
+            };
+            let is_aslant = |facet: &Facet| slant(facet.corners(), positions, axis) > ASLANT;
+            let mut in_plane = slaves.iter().copied().filter(|&node| is_in(node));
+            let is_crossed = low < high
+                && slave.iter().filter(at_end).any(is_aslant)
+                && in_plane.clone().all(|node| deformable[node] && rests[node][axis])
+                && in_plane.any(|node| rests[node] != [true; 3])
+                && masters.iter().all(|&node| !deformable[node])
+                && masters.iter().any(|&node| side * (along(node) - end) < -tolerance);
+            if is_crossed {
+                planes.push(written(&plane(axis, end, side, tolerance)));
+            }
+        }
+    }
+    planes
+}
+
+/// |n·e| of a facet's mean normal and an axis.
+fn slant(corners: &[usize], positions: &[Point], axis: usize) -> f64 {
+    let x = |k: usize| positions[corners[k % corners.len()]];
+    let minus = |a: Point, b: Point| [0, 1, 2].map(|k| a[k] - b[k]);
+    let [a, b] = if corners.len() == 3 {
+        [minus(x(1), x(0)), minus(x(2), x(0))]
+    } else {
+        [minus(x(2), x(0)), minus(x(3), x(1))]
+    };
+    let normal = [0, 1, 2].map(|k| a[(k + 1) % 3] * b[(k + 2) % 3] - a[(k + 2) % 3] * b[(k + 1) % 3]);
+    normal[axis].abs() / dot(normal, normal).sqrt()
+}
+
+fn edge(from: usize, to: usize) -> [usize; 2] {
+    [from.min(to), from.max(to)]
+}
+
+/// How many facets each edge has.
+fn edges(facets: &[Facet]) -> BTreeMap<[usize; 2], usize> {
+    let mut edges = BTreeMap::new();
+    for corners in facets.iter().map(|facet| facet.corners()) {
+        for (k, &from) in corners.iter().enumerate() {
+            *edges.entry(edge(from, corners[(k + 1) % corners.len()])).or_default() += 1;
+        }
+    }
+    edges
+}
+
 /// How far from a plane a point lies, on the side of the model.
 fn height(plane: &SymmetryPlane, x: Point) -> f64 {
     dot(plane.normal, [0, 1, 2].map(|axis| x[axis] - plane.point[axis]))
 }
 
 fn is_idle(plane: &SymmetryPlane, interaction: &Interaction, positions: &[Point]) -> bool {
-    let mut edges: BTreeMap<[usize; 2], usize> = BTreeMap::new();
-    for corners in interaction.facets().iter().map(|facet| facet.corners()) {
-        for (k, &from) in corners.iter().enumerate() {
-            let to = corners[(k + 1) % corners.len()];
-            *edges.entry([from.min(to), from.max(to)]).or_default() += 1;
-        }
-    }
+    let edges = edges(interaction.facets());
     let border = || edges.iter().filter(|(_, facets)| **facets == 1).map(|(edge, _)| edge);
     let tolerance = ON_PLANE * extent(&border().flatten().copied().collect(), positions);
     let is_in = |&node: &usize| height(plane, positions[node]).abs() <= tolerance;

@@ -72,7 +72,7 @@ pub enum ModelError {
     #[error("the part {part:?} has a set with element {element}, but it has {count} elements", part = shown(part))]
     ElementOutOfRange { part: String, element: usize, count: usize },
     #[error(
-        "node {node} of the part {part:?} has a coordinate that is not a finite number below 1e75: {value}", part = shown(part)
+        "node {node} of the part {part:?} has a coordinate that is not a finite number below 1e75: {value:?}", part = shown(part)
     )]
     NonFinitePosition { part: String, node: usize, value: f64 },
     /// An element is turned inside out or flat at one of its corners. The triple product is 1 at the corner of a cube.

@@ -200,9 +200,9 @@ impl Summary {
 
     /// Slaves that were deep below their masters, in sentences.
     fn deep_slaves(&self) -> impl Iterator<Item = String> {
-        self.interfaces.iter().filter_map(|start| {
-            let found = self.penetrations.get(&start.interface)?;
-            found.warning(&start.interface, start.penalty)
+        self.interfaces.iter().flat_map(|start| {
+            let found = self.penetrations.get(&start.interface).copied().unwrap_or_default();
+            found.warnings(&start.interface, start.penalty)
         })
     }
 

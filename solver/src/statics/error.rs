@@ -1,6 +1,6 @@
 //! Why a run or an increment ended early.
 
-use diffuse_contact_mesh::names::shown;
+use diffuse_contact_mesh::names::{list, shown};
 use thiserror::Error;
 
 use super::{Loose, ShownTime};
@@ -63,7 +63,19 @@ fn all(loose: &[Loose]) -> String {
     }
     let help = "a `boundary` can hold it, a master closer than a facet's size, or, where no load acts along that, \
                 `newton.stabilisation`; ";
-    if parts.is_empty() { parts } else { parts + help }
+    if parts.is_empty() {
+        return parts;
+    }
+    parts += help;
+    let averaged = &loose[0].averaged;
+    if !averaged.is_empty() {
+        parts += &format!(
+            "points of the faces touch at {}, where the gaps that count, averages around nodes, are open: there \
+             integration = {{ over = \"faces\", pressures = \"points\" }} or a first increment that presses by more holds it; ",
+            list(averaged.iter().map(|name| format!("`{}`", shown(name))))
+        );
+    }
+    parts
 }
 
 /// A clause for each interface whose slaves left the master over its border.

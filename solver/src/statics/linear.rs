@@ -206,7 +206,12 @@ impl Problem {
 
     /// The parts that nothing holds.
     pub(super) fn loose(&self, system: &Assembled, positions: &[[f64; 3]]) -> Vec<Loose> {
-        loose_parts(&system.matrix, &self.equations, positions, self.solid.parts())
+        let mut loose = loose_parts(&system.matrix, &self.equations, positions, self.solid.parts());
+        if !loose.is_empty() {
+            let averaged: Vec<String> = self.contacts.late().collect();
+            loose.iter_mut().for_each(|own| own.averaged.clone_from(&averaged));
+        }
+        loose
     }
 
     /// The stiffness of everything at the last evaluation, contacts with this tangent or with their own.

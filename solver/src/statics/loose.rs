@@ -19,6 +19,8 @@ pub struct Loose {
     pub parts: Vec<String>,
     /// The motions that are free.
     pub motions: Vec<RigidMotion>,
+    /// Interfaces over faces whose average gaps are all open, while points of the faces are far nearer: pressures of points would hold.
+    pub averaged: Vec<String>,
 }
 
 /// A small motion of a body as a whole.
@@ -85,7 +87,7 @@ pub fn loose_parts(
         let nodes: Vec<usize> = group.iter().flat_map(|&part| &parts[part].1).copied().collect();
         let motions = free_motions(matrix, equations, positions, &nodes, &mut whole);
         let parts = group.iter().map(|&part| parts[part].0.clone()).collect();
-        (!motions.is_empty()).then_some(Loose { parts, motions })
+        (!motions.is_empty()).then_some(Loose { parts, motions, averaged: Vec::new() })
     };
     let alone: Vec<Loose> = (0..parts.len()).filter_map(|part| find(&[part])).collect();
     if !alone.is_empty() {

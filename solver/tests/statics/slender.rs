@@ -157,6 +157,40 @@ fn points_of_coarse_faces_carry_what_a_beam_does() {
     assert!(found.area < 4.0 && last.max_penetration > 0.0 && last.max_penetration < 0.05, "{found:?}");
 }
 
+/// A strip between four rollers in touch with it: where its faces are wide beside them, all average gaps are open, and nothing is said to be
+/// closed. The message names the interfaces and what closes them.
+#[test]
+fn averages_that_hide_a_touch_are_named_where_a_part_is_loose() {
+    let roller = |name: &str, [x, z]: [f64; 2], angles: &str, way: f64| {
+        format!(
+            "[parts.{name}]\nshape = \"rigid-cylinder\"\naxis = \"y\"\nradius = 1.5\nangles = {angles}\nlength = 6.0\n\
+             divisions = [24, 3]\ntranslate = [{x:?}, -1.0, {z:?}]\n[[boundary]]\nnodes = \"{name}\"\ntranslate = [0.0, 0.0, {way:?}]\n"
+        )
+    };
+    let [above, below] = ["[-90.0, 90.0]", "[90.0, 270.0]"];
+    let rollers = [
+        roller("a", [12.0, -1.5], above, 0.0),
+        roller("b", [18.0, -1.5], above, 0.0),
+        roller("c", [90.0, -1.5], above, 0.0),
+        roller("p", [50.0, 2.5], below, -2.0),
+    ]
+    .concat();
+    let deck = format!(
+        "[materials.steel]\nyoung = 200000.0\npoisson = 0.3\n[parts.strip]\nshape = \"box\"\nsize = [100.0, 4.0, 1.0]\n\
+         divisions = [40, 1, 1]\nelement = \"hex8i\"\nmaterial = \"steel\"\n{rollers}[[boundary]]\nnodes = \"strip.y-\"\nfix = [\"y\"]\n\
+         [[boundary]]\nnodes = \"strip.x-\"\nfix = [\"x\"]\n[[interface]]\nname = \"below\"\nmaster = [\"a\", \"b\", \"c\"]\n\
+         slave = \"strip.z-\"\nintegration = \"faces\"\n[[interface]]\nname = \"above\"\nmaster = \"p\"\nslave = \"strip.z+\"\n\
+         integration = \"faces\"\n"
+    );
+    let (_, error, ..) = fail(&deck, "[time]\nincrement = 0.1");
+    let said = error.to_string();
+    assert!(
+        said.contains("nothing holds `strip` against moving along z")
+            && said.contains("pressures = \"points\""),
+        "{said}"
+    );
+}
+
 /// A strip that points of its coarse faces hold on a roller, and a block that is loose above a floor: what is supposed for the block leaves the
 /// strip's contact as it is.
 #[test]

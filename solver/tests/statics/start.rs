@@ -152,14 +152,14 @@ fn free_motions_are_found() {
     let pinned =
         base.replace("[[pressure]]", "[[boundary]]\nnodes = \"upper.z-\"\nfix = [\"z\"]\n[[pressure]]");
     let pinned = pinned.replace("[\"lower.y-\", \"upper.y-\"]", "\"lower.y-\"");
-    let [Loose { parts, motions }] = &of(&pinned)[..] else { panic!("one part") };
+    let [Loose { parts, motions, .. }] = &of(&pinned)[..] else { panic!("one part") };
     assert_eq!(
         (&parts[..], &motions[..]),
         (&["upper".to_owned()][..], &[RigidMotion::Translation([0.0, 1.0, 0.0])][..])
     );
     // Each block holds the other along z, and nothing both of them.
     let both = base.replace("nodes = \"lower.z-\"\nfix = [\"z\"]", "nodes = \"lower.x+\"\nfix = [\"x\"]");
-    let [Loose { parts, motions }] = &of(&both)[..] else { panic!("both parts") };
+    let [Loose { parts, motions, .. }] = &of(&both)[..] else { panic!("both parts") };
     assert_eq!(parts[..], ["lower".to_owned(), "upper".to_owned()]);
     assert_eq!(motions[..], [RigidMotion::Translation([0.0, 0.0, 1.0])]);
 }
@@ -667,7 +667,7 @@ fn friction_without_a_force_holds_nothing() {
         assert!(notes.cuts.is_empty() && notes.increments.is_empty(), "{gap}: {error}");
         let StaticsError::Unloaded { time, loose, force, noise } = &error else { panic!("{gap}: {error}") };
         assert!(*time == 0.0 && *force > 0.0 && force <= noise && *noise < 1e-7, "{gap}: {error}");
-        let [Loose { parts, motions }] = &loose[..] else { panic!("{error}") };
+        let [Loose { parts, motions, .. }] = &loose[..] else { panic!("{error}") };
         assert_eq!((&parts[..], motions.len()), (&["block".to_owned()][..], 3), "{error}");
         let text = "nothing holds `block` against moving along x, moving along y, turning about z through (";
         assert!(error.to_string().contains(text), "{error}");

@@ -235,9 +235,10 @@ impl Interaction {
     /// Whether all average gaps over its faces are open, while points of the faces are far nearer to the master, at the last evaluation:
     /// pressures of points close them. With multipliers there are none.
     pub(super) fn is_late(&self) -> bool {
-        let is_averaged =
-            |pass: &&Box<dyn Pass>| !pass.has_point_pressures() && self.options.augmentation.is_none();
-        self.passes.iter().filter(is_averaged).any(|pass| {
+        if self.options.augmentation.is_some() {
+            return false;
+        }
+        self.passes().filter(|pass| !pass.has_point_pressures()).any(|pass| {
             let least = |gaps: &mut dyn Iterator<Item = f64>| gaps.fold(f64::INFINITY, f64::min);
             let average = least(&mut pass.slaves().filter_map(|slave| slave.gap));
             // Over nodes there are none.

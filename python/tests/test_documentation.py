@@ -19,7 +19,7 @@ def test_docstrings():
 def test_the_program_of_the_guide():
     text = (ROOT / "docs" / "how-to" / "python.md").read_text(encoding="utf-8")
     programs = re.findall(r"```python\n(.*?)```", text, flags=re.DOTALL)
-    assert len(programs) == 6
+    assert len(programs) == 7
     for program in programs:
         exec(compile(program, "docs/how-to/python.md", "exec"), {})
 

@@ -9,6 +9,7 @@ use diffuse_contact::interface::{
 use diffuse_contact::neighbourhood::{Fallback, SearchOptions};
 use diffuse_contact::surface::{Facet, MasterSurface, SurfaceError, SymmetryPlane};
 use diffuse_contact::{Backend, Generated, Mode, Point, Weight, ad::Ad};
+use nalgebra::{Matrix3, Rotation3, Vector3};
 
 /// A grid of cells over [0, columns] × [0, rows], mapped.
 fn grid(columns: usize, rows: usize, map: impl Fn(f64, f64) -> Point) -> (Vec<Point>, Vec<Facet>) {
@@ -469,5 +470,91 @@ fn a_small_facet_among_large_ones_carries_a_quadratic_surface() {
             "{:?}",
             gaps(&mut interface)
         );
+    }
+}
+
+/// A mesh that is turned or mirrored in space.
+fn moved((nodes, facets): &(Vec<Point>, Vec<Facet>), map: &Matrix3<f64>) -> (Vec<Point>, Vec<Facet>) {
+    // A mirror image is seen from the other side.
+    let facet = |facet: &Facet| match *facet {
+        Facet::Triangle([a, b, c]) if map.determinant() < 0.0 => Facet::Triangle([a, c, b]),
+        Facet::Quadrilateral([a, b, c, d]) if map.determinant() < 0.0 => Facet::Quadrilateral([a, d, c, b]),
+        _ => *facet,
+    };
+    (nodes.iter().map(|x| placed(map, *x)).collect(), facets.iter().map(facet).collect())
+}
+
+fn placed(map: &Matrix3<f64>, x: Point) -> Point {
+    (map * Vector3::from(x) + Vector3::new(0.7, -2.0, 0.3)).into()
+}
+
+/// The volumes of the domains that reach each slave's place over that of an ellipsoid with half axes of one, and its distances in them.
+fn domains(interface: &ContactInterface, slaves: usize) -> Vec<Vec<[f64; 2]>> {
+    let of_slave = |k: usize| {
+        let Ok(PairedElement::Diffuse { pairing, .. }) = interface.element(k) else { panic!("{k}") };
+        let mut order: Vec<usize> = (0..pairing.masters.len()).collect();
+        order.sort_by_key(|&k| (pairing.masters[k], pairing.others.get(k).map(|other| other.0)));
+        let sizes = order.into_iter().map(|k| &pairing.material[k]).map(|node| {
+            let [xx, _, _, yy, _, zz] = node.metric;
+            [1.0 / (xx * yy * zz), node.distance()]
+        });
+        sizes.filter(|[_, distance]| *distance < 1.0 - 1e-9).collect()
+    };
+    (0..slaves).map(of_slave).collect()
+}
+
+/// Which nodes count, how large their domains are, and where auxiliary points lie does not depend on how the model lies in space.
+#[test]
+fn domains_turn_with_the_surface() {
+    // Long and short cells with corners and borders, bent both ways; and triangles.
+    let uneven = |x: f64, y: f64| {
+        let k = (x * 1000.0 + y) as usize;
+        let [by, on] = [0.22 * noise(2 * k), 0.22 * noise(2 * k + 1)];
+        let along = 1.7 * x + if x > 4.0 { 1.5 * (x - 4.0) } else { 0.0 };
+        let [x, y] = [along + 1.7 * by, y + on];
+        [x, y, 0.03 * x * x - 0.05 * y * y + 0.02 * x * y]
+    };
+    let irregular = grid(8, 6, uneven);
+    let halves = |facet: &Facet| match *facet {
+        Facet::Quadrilateral([a, b, c, d]) => vec![Facet::Triangle([a, b, c]), Facet::Triangle([a, c, d])],
+        Facet::Triangle(_) => vec![*facet],
+    };
+    let triangles = (irregular.0.clone(), irregular.1.iter().flat_map(halves).collect());
+    // A strip of one row around a bend: rungs are as long as facets, by whose lengths ghost nodes lie outside.
+    let turn = 0.3_f64;
+    let chord = 2.0 * (0.5 * turn).sin();
+    let strip = grid(9, 1, |x, y| [(turn * x).sin(), chord * y, (turn * x).cos()]);
+    let over = |(nodes, facets): &(Vec<Point>, Vec<Facet>), by: f64| -> Vec<Point> {
+        let at = |k: usize| Vector3::from(nodes[k]);
+        let place = |facet: &Facet| {
+            let corners = facet.corners();
+            let [one, two, three] = [0, 1, 2].map(|k| at(corners[k]));
+            let last = at(corners[corners.len() - 1]);
+            let normal = (two - one).cross(&(last - one)).normalize();
+            one * 0.45 + two * 0.2 + three * 0.25 + last * 0.1 + normal * by
+        };
+        facets.iter().map(|facet| place(facet).into()).collect()
+    };
+    let turn = Rotation3::from_euler_angles(0.4, -1.1, 2.3).into_inner();
+    let mirror = turn * Matrix3::from_diagonal(&Vector3::new(1.0, -1.0, 1.0));
+    for (mesh, by) in [(irregular, 0.05), (triangles, 0.05), (strip, 0.01)] {
+        let slaves = over(&mesh, by);
+        for weight in [Weight::Cubic, Weight::WendlandC2] {
+            let mut as_it_is = interface(&mesh, &slaves, options(weight), &[]);
+            let expected = (domains(&as_it_is, slaves.len()), gaps(&mut as_it_is));
+            for map in [turn, mirror] {
+                let own: Vec<Point> = slaves.iter().map(|x| placed(&map, *x)).collect();
+                let mut other = interface(&moved(&mesh, &map), &own, options(weight), &[]);
+                for (one, two) in expected.0.iter().zip(domains(&other, slaves.len())) {
+                    assert_eq!(one.len(), two.len(), "{weight:?}");
+                    for (one, two) in one.iter().flatten().zip(two.iter().flatten()) {
+                        assert!((one - two).abs() <= 1e-9 * one.abs().max(1.0), "{weight:?}: {one} {two}");
+                    }
+                }
+                for (one, two) in expected.1.iter().zip(gaps(&mut other)) {
+                    assert!((one - two).abs() < 1e-9, "{weight:?}: {one} {two}");
+                }
+            }
+        }
     }
 }

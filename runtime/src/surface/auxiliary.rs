@@ -15,8 +15,8 @@ use super::{Creases, Image, SurfaceIndex, Symmetry};
 use crate::Point;
 use crate::vector::Vector3;
 
-/// Edges as long as the shortest of a triangle to this fraction are as short.
-const AS_SHORT: f64 = 1e-6;
+/// What is as large as a bound to this fraction reaches it: meshes often have lengths that are equal, but for rounding.
+const EQUAL: f64 = 1e-6;
 /// Where a rung is so many times as long as a facet along the strip, or so many times as long as the strip drops over such a length, the strip
 /// is wide.
 const WIDE: f64 = 2.5;
@@ -43,6 +43,11 @@ pub(crate) enum AuxiliaryKind {
     Middle,
     /// Beyond the first end, so many times as far from it as the second.
     Ghost(u32),
+}
+
+/// Whether a length is as large as a bound.
+fn reaches(length: f64, bound: f64) -> bool {
+    length * (1.0 + EQUAL) >= bound
 }
 
 /// Where auxiliary points on the line through two nodes may be.
@@ -194,11 +199,11 @@ impl Rungs<'_> {
         let width = (to - from).norm();
         let Some(drop) = self.largest_drop(facet, edge) else { return Rung::Unknown };
         let length = sides.map(|(facet, edge)| self.length_along(facet, edge)).fold(0.0, f64::max);
-        if width >= WIDE * length || width >= WIDE_FOR_ITS_BEND * drop {
+        if reaches(width, WIDE * length) || reaches(width, WIDE_FOR_ITS_BEND * drop) {
             return Rung::Middle;
         }
         let mut times = 1;
-        while f64::from(times) * width < length {
+        while !reaches(f64::from(times) * width, length) {
             times *= 2;
             if times > FARTHEST {
                 return Rung::No;
@@ -239,12 +244,12 @@ impl Rungs<'_> {
         let forward = along(shape.middle() - from);
         let turned = |x: &Vector3| if x.dot(&forward) < 0.0 { *x * -1.0 } else { *x };
         let direction = along(borders.iter().flatten().map(turned).sum()).normalize();
-        let goes_along = |x: &Vector3| x.dot(&direction).abs() >= ALONG * x.norm();
+        let goes_along = |x: &Vector3| reaches(x.dot(&direction).abs(), ALONG * x.norm());
         if !borders.iter().flatten().all(goes_along) {
             return Some(false);
         }
         let [one, two] = borders.map(|own| own.iter().map(|x| x.dot(&direction).abs()).sum::<f64>());
-        let is_apart = |near: f64, far: f64| near + times * (near - far) >= APART * near;
+        let is_apart = |near: f64, far: f64| near + times * (near - far) >= (APART - EQUAL) * near;
         Some(is_apart(one, two) && is_apart(two, one))
     }
 
@@ -364,7 +369,7 @@ impl Rungs<'_> {
             (to - from).norm()
         };
         let count = shape.corners().len();
-        let is_shorter = |other: &usize| length(*other) * (1.0 + AS_SHORT) < length(edge);
+        let is_shorter = |other: &usize| !reaches(length(*other), length(edge));
         let shorter = (0..count).filter(|_| count == 3).filter(is_shorter);
         let mut across = shorter.map(|other| self.is_across(facet, other));
         if across.clone().any(|is| is == Some(true)) {

@@ -1,13 +1,18 @@
 //! Whether fits are well conditioned, and how large domains have to be for that (`docs/equations.md`, [T18]).
 
+use std::f64::consts::SQRT_2;
+use std::ops::Range;
+
 use super::sheets::Carried;
 use crate::Weight;
 
 /// What the fits at the centres have to reach; 0.25 is out of reach for one-sided fits.
-pub(crate) const SMALLEST_SINGULAR_VALUE: f64 = 0.13;
+pub(super) const SMALLEST_SINGULAR_VALUE: f64 = 0.13;
 /// Factors are tried in steps of this one, then halved in between so many times.
 const STEP: f64 = 1.04;
 const BISECTIONS: usize = 8;
+/// Nodes are on a line where their moments across it are less than this fraction of those along it.
+const ON_A_LINE: f64 = 1e-12;
 
 /// A node, an auxiliary point, or an image of one, seen from a centre.
 #[derive(Clone, Copy)]
@@ -16,8 +21,6 @@ pub(super) struct Near {
     pub node: u32,
     /// In the plane of the centre, length.
     pub offset: [f64; 2],
-    /// t1ᵀG t1, t1ᵀG t2, t2ᵀG t2 over the trace, with the axes t1, t2 of the plane and the metric G of the node's cells.
-    pub cells: [f64; 3],
     /// Distance in the metric of the node's cells, or of its domain.
     pub distance: f64,
 }
@@ -45,9 +48,9 @@ pub(super) fn smallest_factor(nodes: &[Near], weight: Weight, carried: Carried, 
     (factor <= largest).then_some(factor)
 }
 
-/// Whether no singular value of the weighted design matrix of the functions that are carried, columns scaled to length one, is below the
-/// smallest one wanted, with functions of the coordinates along the centre's axes or of those in which the cells are as long in all
-/// directions: the columns of long cells at an angle to the axes are all but parallel, however many nodes there are.
+/// Whether no singular value of the weighted design matrix of the functions that are carried is below the smallest one wanted, with
+/// functions of coordinates (x, y) in which the second moments of the weighted nodes about the centre are those of a circle, and columns
+/// scaled in groups: 1; x, y; x², √2 xy, y². In-plane axes turn, and cells are long in any direction, without a difference.
 pub(super) fn is_well_conditioned(
     nodes: &[Near],
     weight: Weight,
@@ -62,44 +65,50 @@ pub(super) fn is_well_conditioned(
     }
 }
 
-/// The same of the first `N` of the functions 1, a, b, a², ab, b².
+/// The same of the first `N` of these functions.
 fn is_well<const N: usize>(nodes: &[Near], weight: Weight, smallest: f64, factor: f64) -> bool {
-    // Columns are scaled in the end: this is for their powers.
-    let unit = nodes.last().map_or(1.0, |node| node.offset[0].abs().max(node.offset[1].abs()));
+    // Groups are scaled in the end: this is for their powers.
+    let unit = nodes.last().map_or(1.0, |node| node.offset[0].hypot(node.offset[1]));
     let within = || {
-        nodes
-            .iter()
-            .take_while(|node| node.distance < factor)
-            .map(|node| (node, weight.fitting(node.distance / factor)))
+        let near = nodes.iter().take_while(|node| node.distance < factor);
+        near.map(|node| (node.offset.map(|x| x / unit), weight.fitting(node.distance / factor)))
     };
-    let gram_of = |rows: [[f64; 2]; 2]| {
-        let mut gram = [[0.0; N]; N];
-        for (node, w) in within() {
-            let [a, b] = rows.map(|row| (row[0] * node.offset[0] + row[1] * node.offset[1]) / unit);
-            let p = [1.0, a, b, a * a, a * b, b * b];
-            for i in 0..N {
-                let weighted = w * p[i];
-                for j in 0..=i {
-                    gram[i][j] += weighted * p[j];
-                }
+    let [aa, ab, bb] = within()
+        .fold([0.0; 3], |[aa, ab, bb], ([a, b], w)| [aa + w * (a * a), ab + w * (a * b), bb + w * (b * b)]);
+    let determinant = aa * bb - ab * ab;
+    if !(determinant > ON_A_LINE * (aa + bb) * (aa + bb)) {
+        return false;
+    }
+    // The inverse root of the moments, up to a factor.
+    let root = determinant.sqrt();
+    let rows = [[bb + root, -ab], [-ab, aa + root]].map(|row| row.map(|entry| entry / (aa + bb)));
+    let mut gram = [[0.0; N]; N];
+    for (offset, w) in within() {
+        let [x, y] = rows.map(|row| row[0] * offset[0] + row[1] * offset[1]);
+        let p = [1.0, x, y, x * x, SQRT_2 * (x * y), y * y];
+        for i in 0..N {
+            let weighted = w * p[i];
+            for j in 0..=i {
+                gram[i][j] += weighted * p[j];
             }
         }
-        gram
-    };
-    if is_far_from_singular(gram_of([[1.0, 0.0], [0.0, 1.0]]), smallest) {
-        return true;
     }
-    let mean = within().fold([0.0; 3], |sums, (node, w)| [0, 1, 2].map(|k| sums[k] + w * node.cells[k]));
-    // The root of the mean metric, up to a factor.
-    let [xx, xy, yy] = mean.map(|entry| entry / (mean[0] + mean[2]));
-    let root = (xx * yy - xy * xy).sqrt();
-    is_far_from_singular(gram_of([[xx + root, xy], [xy, yy + root]]), smallest)
+    is_far_from_singular(gram, smallest)
 }
 
-/// Whether the Gram matrix of columns, scaled to length one, less the square of the smallest singular value wanted on the diagonal, is
-/// positive definite.
+/// Whether the Gram matrix of columns, each group scaled to a mean square length of one, less the square of the smallest singular value
+/// wanted on the diagonal, is positive definite.
 fn is_far_from_singular<const N: usize>(mut gram: [[f64; N]; N], smallest: f64) -> bool {
-    let lengths: [f64; N] = std::array::from_fn(|k| gram[k][k].sqrt());
+    let length = |group: Range<usize>| {
+        let count = group.len() as f64;
+        (group.map(|k| gram[k][k]).sum::<f64>() / count).sqrt()
+    };
+    let mut lengths = [0.0; N];
+    for group in [0..1, 1..3, 3..6] {
+        if group.end <= N {
+            lengths[group.clone()].fill(length(group));
+        }
+    }
     for i in 0..N {
         for j in 0..=i {
             let mut entry = gram[i][j] / (lengths[i] * lengths[j]);

@@ -26,7 +26,7 @@ pub enum SurfaceError {
          faces outwards"
     )]
     NotCyclic { facet: usize, order: [usize; 4] },
-    /// The corners of a facet lie on a line or a point. `extent` is the largest coordinate difference between them.
+    /// The corners of a facet lie on a line or a point. `extent` is the longest edge.
     #[error("facet {facet} has no area: {area:e} of the square of its extent {extent:e}")]
     NoArea { facet: usize, area: f64, extent: f64 },
     /// A quadrilateral has a corner that points inwards or is straight: its normal turns over somewhere on it. The worst corner is named,

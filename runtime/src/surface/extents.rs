@@ -11,7 +11,7 @@ pub struct Extents {
     pub low: Point,
     /// Highest coordinates, length.
     pub high: Point,
-    /// Largest extent of a facet: of the coordinate differences of its corners, length.
+    /// The longest edge of a facet, length.
     pub facet: f64,
 }
 

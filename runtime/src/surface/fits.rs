@@ -213,9 +213,7 @@ impl Scratch {
             if (position - self.middle).norm() > self.shell {
                 outer = outer.min(distance);
             }
-            let [xx, yy, both] = [t1, t2, t1 + t2].map(|axis| domain.length(axis).powi(2));
-            let cells = [xx, 0.5 * (both - xx - yy), yy].map(|entry| entry / (xx + yy));
-            self.nodes.push(Near { node, offset: [offset.dot(&t1), offset.dot(&t2)], cells, distance });
+            self.nodes.push(Near { node, offset: [offset.dot(&t1), offset.dot(&t2)], distance });
         }
         self.nodes.sort_by(|x, y| x.distance.total_cmp(&y.distance));
         outer

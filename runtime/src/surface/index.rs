@@ -91,6 +91,7 @@ impl<'a> SurfaceIndex<'a> {
         let facets = 0..surface.facet_count();
         let normals = facets.clone().into_par_iter().map(|facet| shape(facet).normal()).collect();
         let boxes: Vec<Boxed> = facets
+            .clone()
             .into_par_iter()
             .map(|facet| {
                 let (lower, upper) = shape(facet).bounds();
@@ -98,11 +99,7 @@ impl<'a> SurfaceIndex<'a> {
                 GeomWithData::new(Rectangle::from_aabb(bounds), facet as u32)
             })
             .collect();
-        let extents = boxes.iter().map(|boxed| {
-            let (lower, upper) = (boxed.geom().lower(), boxed.geom().upper());
-            (0..3).map(|axis| upper[axis] - lower[axis]).fold(0.0, f64::max)
-        });
-        let extent = extents.fold(0.0, f64::max);
+        let extent = facets.map(|facet| shape(facet).extent()).fold(0.0, f64::max);
         Self { surface, positions: own, normals, tree: RTree::bulk_load(boxes), extent }
     }
 

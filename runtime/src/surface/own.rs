@@ -244,10 +244,10 @@ fn centre<'s>(corners: &(impl ExactSizeIterator<Item = &'s First> + Clone)) -> V
     corners.clone().map(|corner| corner.position).sum::<Vector3>() / corners.len() as f64
 }
 
-/// Twice the largest distance of a corner from the middle along an axis.
+/// The longest edge of a facet.
 fn extent<'s>(corners: &(impl ExactSizeIterator<Item = &'s First> + Clone)) -> f64 {
-    let centre = centre(corners);
-    corners.clone().map(|corner| (corner.position - centre).largest()).fold(0.0, f64::max) * 2.0
+    let edges = corners.clone().zip(corners.clone().cycle().skip(1));
+    edges.map(|(from, to)| (to.position - from.position).norm()).fold(0.0, f64::max)
 }
 
 /// Whether a place lies right behind a wall of this thickness. `offset`: from there to the wall's front, which looks along `normal`.

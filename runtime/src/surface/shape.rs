@@ -46,7 +46,7 @@ pub struct Foot {
 pub struct Near {
     /// Distance from the box: a lower bound of that from the facet.
     pub at_least: f64,
-    /// Longest side of the box: an upper bound of the facet's extent.
+    /// Diagonal of the box: an upper bound of the facet's extent.
     pub extent: f64,
 }
 
@@ -137,8 +137,16 @@ impl Shape {
         part * self.area_vector().norm() / longest
     }
 
-    /// Largest coordinate difference between two corners.
+    /// The longest edge, however it lies.
     pub fn extent(&self) -> f64 {
+        let unit = self.largest_difference();
+        let edges = (0..self.corners().len()).map(|edge| self.edge(edge));
+        let longest = edges.map(|[from, to]| ((to - from) / unit).norm()).fold(0.0, f64::max);
+        if unit > 0.0 { longest * unit } else { unit }
+    }
+
+    /// Largest coordinate difference between two corners.
+    fn largest_difference(&self) -> f64 {
         let along = |axis: usize| {
             let coordinates = self.corners().iter().map(|corner| corner[axis]);
             let [low, high] = [f64::INFINITY, f64::NEG_INFINITY];
@@ -159,7 +167,7 @@ impl Shape {
     /// How far `x` is from the box around the corners, which holds the facet.
     pub fn near(&self, x: Vector3) -> Near {
         let corners = self.corners();
-        let (mut square, mut extent) = (0.0, 0.0_f64);
+        let (mut square, mut diagonal) = (0.0, 0.0);
         for axis in 0..3 {
             let (mut low, mut high) = (corners[0][axis], corners[0][axis]);
             for corner in &corners[1..] {
@@ -168,9 +176,9 @@ impl Shape {
             }
             let outside = (low - x[axis]).max(x[axis] - high).max(0.0);
             square += outside * outside;
-            extent = extent.max(high - low);
+            diagonal += (high - low) * (high - low);
         }
-        Near { at_least: square.sqrt(), extent }
+        Near { at_least: square.sqrt(), extent: f64::sqrt(diagonal) }
     }
 
     /// The square of the distance from the edges, no larger than that from any corner.
@@ -323,7 +331,7 @@ mod tests {
                 assert!(((x - foot.point).norm() - foot.distance).abs() < 1e-12);
                 let near = shape.near(x);
                 assert!(near.at_least <= foot.distance * (1.0 + 1e-14), "{shape:?} {x:?}");
-                assert!(near.extent >= shape.extent(), "{shape:?}");
+                assert!(near.extent >= shape.extent() * (1.0 - 1e-14), "{shape:?}");
                 let best = sampled(&shape, x);
                 assert!(foot.distance <= best + 1e-12, "{shape:?} {x:?}: {} > {best}", foot.distance);
                 assert!(foot.distance > best - 0.04, "a point that is not on the facet");

@@ -39,7 +39,7 @@
 //! surface, and by as much as slaves are to move until windows are made anew. Around the core there are as many facets as domains of
 //! influence reach, 2 to 4 on a regular mesh.
 //!
-//! Domains themselves depend on more, once: the fits at the centres of a facet take the nodes of its sheet within 3.5 of its extents,
+//! Domains themselves depend on more, once: the fits at the centres of a facet take the nodes of its sheet within 3.5 of its longest edges,
 //! and 1.5 times as far until they carry the basis; its list takes a walk as far as the longest domain met reaches. A
 //! [`SurfacePart`](crate::interface::SurfacePart) says for which of its facets it was not wide enough.
 //!

@@ -1,7 +1,7 @@
 //! Windows of a surface: slaves that know a part of it have the results of the whole, bit for bit, or say that they cannot know.
 
 use std::collections::BTreeMap;
-use std::f64::consts::FRAC_PI_6;
+use std::f64::consts::{FRAC_1_SQRT_2, FRAC_PI_6};
 
 use diffuse_contact::interface::{
     ContactInterface, InterfaceError, InterfaceOptions, NoContact, Outcome, PartFacets, SurfacePart,
@@ -683,7 +683,7 @@ fn extents_are_those_of_sound_facets() {
     let mesh = Mesh::grid([3, 3], [false; 2], |s, t| [s, t, 0.0]);
     let mut rank = Rank::new(&mesh, &[0, 1, 2, 3], 1.0, |k| k as u64);
     let extents = rank.facets(Extents::NONE).own_extents();
-    assert_eq!(extents, Ok(Extents { low: [0.0; 3], high: [1.0, 1.0, 0.0], facet: 0.5 }));
+    assert_eq!(extents, Ok(Extents { low: [0.0; 3], high: [1.0, 1.0, 0.0], facet: FRAC_1_SQRT_2 }));
     rank.positions[4][1] = f64::NAN;
     let error = rank.facets(Extents::NONE).own_extents().unwrap_err();
     assert_eq!(error.code(), "non-finite-position");

@@ -49,7 +49,7 @@ pub(super) fn smallest_factor(nodes: &[Near], weight: Weight, carried: Carried, 
 }
 
 /// Whether no singular value of the weighted design matrix of the functions that are carried is below the smallest one wanted, with
-/// functions of coordinates (x, y) in which the second moments of the weighted nodes about the centre are those of a circle, and columns
+/// functions of coordinates (x, y) in which the weighted nodes spread as far in all directions about their mean, and columns
 /// scaled in groups: 1; x, y; x², √2 xy, y². In-plane axes turn, and cells are long in any direction, without a difference.
 pub(super) fn is_well_conditioned(
     nodes: &[Near],
@@ -73,13 +73,18 @@ fn is_well<const N: usize>(nodes: &[Near], weight: Weight, smallest: f64, factor
         let near = nodes.iter().take_while(|node| node.distance < factor);
         near.map(|node| (node.offset.map(|x| x / unit), weight.fitting(node.distance / factor)))
     };
-    let [aa, ab, bb] = within()
-        .fold([0.0; 3], |[aa, ab, bb], ([a, b], w)| [aa + w * (a * a), ab + w * (a * b), bb + w * (b * b)]);
+    let mut sums = [0.0; 6];
+    for ([a, b], w) in within() {
+        let terms = [1.0, a, b, a * a, a * b, b * b];
+        sums.iter_mut().zip(terms).for_each(|(sum, term)| *sum += w * term);
+    }
+    let [total, a, b, aa, ab, bb] = sums;
+    let [aa, ab, bb] = [aa - a * a / total, ab - a * b / total, bb - b * b / total];
     let determinant = aa * bb - ab * ab;
     if !(determinant > ON_A_LINE * (aa + bb) * (aa + bb)) {
         return false;
     }
-    // The inverse root of the moments, up to a factor.
+    // The inverse root of these moments about the mean, up to a factor.
     let root = determinant.sqrt();
     let rows = [[bb + root, -ab], [-ab, aa + root]].map(|row| row.map(|entry| entry / (aa + bb)));
     let mut gram = [[0.0; N]; N];

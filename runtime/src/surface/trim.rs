@@ -33,7 +33,7 @@ const SMALLEST_RATIO: f64 = 0.7;
 const STEP: f64 = 0.96;
 const BISECTIONS: usize = 2;
 /// The smallest singular value that places keep: a little more than centres ask for, since nodes shrink by different ratios.
-const KEPT: f64 = 0.132;
+const KEPT: f64 = 0.135;
 
 /// What the places on some facets ask for. Of several parts the largest ratios count, and what is crowded in any of them.
 #[derive(Clone, Debug, PartialEq)]

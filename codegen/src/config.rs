@@ -375,8 +375,9 @@ impl Config {
     }
 
     /// Writes `diffuse_contact_kernels.rs` if its bytes change, and tells Cargo when to run again. Warnings are of a weight that does not
-    /// end flat ([`Weight::note`]), and of inputs that no output of their element depends on. In a build script the kernels know whether their crate is compiled with optimisation, from Cargo's `OPT_LEVEL`: at level 0 or 1 they are
-    /// compiled, and run, number by number, which takes a fifth of the time to compile.
+    /// end flat ([`Weight::note`]), and of inputs that no output of their element depends on. In a build script the kernels know whether
+    /// their crate is compiled with optimisation, from Cargo's `OPT_LEVEL`: at level 0 or 1 they are compiled, and run, number by number,
+    /// which takes a fifth of the time to compile.
     pub fn compile(&self) -> Result<PathBuf, ConfigError> {
         let folder = match &self.folder {
             Some(folder) => folder.clone(),

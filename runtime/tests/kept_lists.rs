@@ -89,7 +89,8 @@ fn on_coarse_rollers_it_is_that_of_the_place() {
             let (sin, cos) = (TAU * s).sin_cos();
             [cos, sin, PI * t]
         });
-        walk(&roller, InterfaceOptions::default(), [0.95, 0.0, 0.1], [0.08, 0.5, 0.1], 0.01);
+        let [kept, _] = walk(&roller, InterfaceOptions::default(), [0.95, 0.0, 0.1], [0.08, 0.5, 0.1], 0.01);
+        assert_eq!(kept > 0, sides == 16, "{sides}: {kept}");
     }
 }
 

@@ -14,7 +14,7 @@ pub struct FaceCover {
     points: Vec<FacePoint>,
     /// Of each face.
     ranges: Vec<Range<usize>>,
-    /// Which connected part of the master each facet is of.
+    /// Which connected part of the master each facet is of; in a window, of what it holds of the master.
     parts: Vec<u32>,
 }
 

@@ -199,7 +199,8 @@ impl FaceInterface {
 fn beside(side: &Known, facet: &Shape) -> NoContact {
     let (low, high) = facet.bounds();
     let known = side.around_box([low.into(), high.into()]);
-    NoContact::BeyondWindow { needed: known + facet.extent(), known }
+    let wide = (0..3).map(|axis| high[axis] - low[axis]).fold(0.0, f64::max);
+    NoContact::BeyondWindow { needed: known + wide, known }
 }
 
 /// A facet with other numbers of nodes.

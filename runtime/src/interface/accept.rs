@@ -34,7 +34,7 @@ pub struct FrictionReport {
     pub dropped: usize,
     /// Work of the tractions over what slid in the step, energy: Σ μ p Δs.
     pub dissipated: f64,
-    /// Σ μ p of the contacts over nodes that slide, force.
+    /// Σ μ p of the contacts over nodes that slide, with a shear limit Σ min(μ p, τ A), force.
     pub limit: f64,
     /// What their forces are below that, force: where the surface turns by Δθ under a slave within the step, its force is μ p cos Δθ.
     pub short: f64,

@@ -131,7 +131,7 @@ impl Refresh<'_> {
 }
 
 impl Refresh<'_> {
-    /// Whether facets of the sheet around this one meet at an angle at which a slave's place moves farther than the slave.
+    /// Whether facets around this one meet, with no sharp edge in between, at an angle at which a slave's place moves farther than the slave.
     fn is_coarse(&self, facet: u32) -> bool {
         let Evaluator { surface, creases, .. } = self.evaluator;
         let normals = self.index.normals();
@@ -145,7 +145,7 @@ impl Refresh<'_> {
     }
 
     /// How far the `k`-th slave and the masters together may move, length, before its pairing may be another one. Zero where that is
-    /// not known, on coarse facets, and by other rules than nodal domains.
+    /// not known, and by other rules than nodal domains; next to nothing on coarse facets.
     ///
     /// Until then the list is complete, and no facet of another sheet comes to be the closest: that is farther away by twice as much, or
     /// lies beyond a convex edge whose other side the slave is as much higher above.
@@ -162,7 +162,10 @@ impl Refresh<'_> {
         let slave = positions[node];
         let skin = match record {
             // Where no node is listed it is infinite.
-            Ok(Record { facet, .. }) if self.facets.is_none() && self.is_coarse(*facet) => return 0.0,
+            // At the very positions the list is what it was.
+            Ok(Record { facet, .. }) if self.facets.is_none() && self.is_coarse(*facet) => {
+                return f64::MIN_POSITIVE;
+            }
             Ok(Record { support_radius, facet, .. }) if support_radius.is_finite() => {
                 0.5 * SKIN * support_radius * self.squeezed(nodal, *facet)
             }

@@ -119,16 +119,20 @@ impl Lanes<'_, f64> {
     pub fn search_thoroughly(&self, fitting: &impl Fitting) -> Result<Searched<f64>, ElementError> {
         let start =
             self.evaluate_thoroughly::<true>([0.0; 3], None, fitting).map_or([0.0; 3], |first| first.step);
-        // From the nearest node itself where few nodes are close to it.
-        let found = self.search_from(start, fitting).or_else(|_| self.search_from([0.0; 3], fitting))?;
-        let way = square(self.near, each!(i => found.place[i] - start[i])).sqrt();
-        if way < FAR {
+        let zero = [0.0; 3];
+        let (begun, found) = match self.search_from(start, fitting) {
+            Ok(found) => (start, found),
+            Err(error) if start == zero => return Err(error),
+            // From the nearest node itself.
+            Err(_) => (zero, self.search_from(zero, fitting)?),
+        };
+        let distance = |from: [f64; 3]| square(self.near, each!(i => found.place[i] - from[i])).sqrt();
+        if distance(begun) < FAR {
             return Ok(found);
         }
         let cell = CELL / self.largest_metric();
         let near = found.place.map(|x| ((x / cell - SHIFT).floor() + SHIFT + 0.5) * cell);
-        let again = self.search_from(near, fitting);
-        Ok(again.map_or(found, |again| again))
+        Ok(self.search_from(near, fitting).ok().filter(|again| distance(again.place) < FAR).unwrap_or(found))
     }
 
     /// The same from this place on.

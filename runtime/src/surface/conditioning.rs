@@ -68,7 +68,7 @@ pub(super) fn is_well_conditioned(
 /// The same of the first `N` of these functions.
 fn is_well<const N: usize>(nodes: &[Near], weight: Weight, smallest: f64, factor: f64) -> bool {
     // Groups are scaled in the end: this is for their powers.
-    let unit = nodes.last().map_or(1.0, |node| node.offset[0].hypot(node.offset[1]));
+    let unit = nodes.iter().map(|node| node.offset[0].hypot(node.offset[1])).fold(0.0, f64::max);
     let within = || {
         let near = nodes.iter().take_while(|node| node.distance < factor);
         near.map(|node| (node.offset.map(|x| x / unit), weight.fitting(node.distance / factor)))

@@ -5,8 +5,9 @@
 //! |U (X − X_k)| with UᵀU = C_k⁻¹/s_k² the distance from it, 1 on its border. The factors s_k are as small as the conditioning of the
 //! fits allows. At each *centre* c (a node, the middle of an edge or of a facet, a point halfway between these) let s(c) be the smallest
 //! factor for which the weighted design matrix of the nodes nearer than s, columns [scaled](super::conditioning) so that in-plane axes do not
-//! matter, has no singular value below [`SMALLEST_SINGULAR_VALUE`](super::conditioning::SMALLEST_SINGULAR_VALUE). s_k is the largest s(c) of all centres that the node serves, and a
-//! little more. Where that makes more masters than fits need, domains shrink again ([`trim`](super::trim)).
+//! matter, has no singular value below [`SMALLEST_SINGULAR_VALUE`](super::conditioning::SMALLEST_SINGULAR_VALUE). s_k is the largest s(c)
+//! of all centres that the node serves, and a little more. Where that makes more masters than fits need, domains shrink again
+//! ([`trim`](super::trim)).
 //!
 //! A node on a sharp edge has a domain in each of the sheets that meet there, a *sheet node*: cells of other sheets say nothing of the fits
 //! on this one. [Auxiliary](super::auxiliary) points have domains that follow from those of their ends.

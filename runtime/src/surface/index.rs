@@ -99,7 +99,7 @@ impl<'a> SurfaceIndex<'a> {
                 GeomWithData::new(Rectangle::from_aabb(bounds), facet as u32)
             })
             .collect();
-        let extent = facets.map(|facet| shape(facet).extent()).fold(0.0, f64::max);
+        let extent = facets.into_par_iter().map(|facet| shape(facet).extent()).reduce(|| 0.0, f64::max);
         Self { surface, positions: own, normals, tree: RTree::bulk_load(boxes), extent }
     }
 

@@ -46,7 +46,7 @@ pub struct Foot {
 pub struct Near {
     /// Distance from the box: a lower bound of that from the facet.
     pub at_least: f64,
-    /// Diagonal of the box: an upper bound of the facet's extent.
+    /// Diagonal of the box: an upper bound of the facet's extent, but for rounding.
     pub extent: f64,
 }
 

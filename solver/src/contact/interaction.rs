@@ -232,7 +232,7 @@ impl Interaction {
         all
     }
 
-    /// Whether all average gaps over its faces are open, while points of the faces are far nearer to the master, at the last evaluation:
+    /// Whether all average gaps over the faces of a pass are open, while points of the faces are far nearer to the master, at the last evaluation:
     /// pressures of points close them. With multipliers there are none.
     pub(super) fn is_late(&self) -> bool {
         if self.options.augmentation.is_some() {
@@ -243,7 +243,9 @@ impl Interaction {
             let average = least(&mut pass.slaves().filter_map(|slave| slave.gap));
             // Over nodes there are none.
             let points = pass.integration_points().unwrap_or_default();
-            average > 0.0 && least(&mut points.iter().map(|point| point.gap)) < NEARER * average
+            average > 0.0
+                && average.is_finite()
+                && least(&mut points.iter().map(|point| point.gap)) < NEARER * average
         })
     }
 

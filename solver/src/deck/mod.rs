@@ -205,24 +205,22 @@ impl Deck {
 }
 
 impl Deck {
-    /// Whether no boundary turns so far in an increment, against what stands still or another boundary, that friction takes it for a turn the
-    /// other way, or for none.
+    /// Whether no boundary turns so far in an increment, against what stands still or one that it rubs on, that friction takes it for a turn
+    /// the other way, or for none.
     fn check_turns(&self) -> Result<(), DeckError> {
         const MOST: f64 = 180.0;
         let rubs = |friction: &Friction| friction.coefficient != Coefficient::Constant(0.0);
-        if !self.interfaces.iter().filter_map(|interface| interface.friction.as_ref()).any(rubs) {
+        let rubbing: Vec<&Interface> = self
+            .interfaces
+            .iter()
+            .filter(|interface| interface.friction.as_ref().is_some_and(rubs))
+            .collect();
+        if rubbing.is_empty() {
             return Ok(());
         }
-        let turning: Vec<(usize, Vector3<f64>, &Amplitude)> = self
-            .boundaries
-            .iter()
-            .filter_map(|boundary| {
-                let (rotation, amplitude) = boundary.motion.rotation.as_ref()?;
-                Some((boundary.line, Vector3::from(rotation.axis).normalize() * rotation.degrees, amplitude))
-            })
-            .collect();
+        let turning: Vec<Turning<'_>> = self.boundaries.iter().filter_map(Turning::new).collect();
         // Increments end at the points of amplitudes.
-        let points = turning.iter().flat_map(|(.., amplitude)| amplitude.times());
+        let points = turning.iter().flat_map(|turning| turning.amplitude.times());
         let inner = points.filter(|&time| 0.0 < time && time < self.time.end);
         let mut times: Vec<f64> = [0.0].into_iter().chain(inner).chain([self.time.end]).collect();
         times.sort_by(f64::total_cmp);
@@ -230,15 +228,20 @@ impl Deck {
         // A factor that is not 0 at the start is a jump.
         let first = self.time.increment.min(times[1]);
         let check = |increment: f64, factor: &dyn Fn(&Amplitude) -> f64| {
-            let mut before = vec![Vector3::zeros()];
-            for &(line, turn, amplitude) in &turning {
-                let turn = turn * factor(amplitude);
-                let degrees = before.iter().map(|other| (turn - other).norm()).fold(0.0, f64::max);
+            for (k, own) in turning.iter().enumerate() {
+                let turn = own.degrees * factor(own.amplitude);
+                let others = turning[..k].iter().filter(|other| {
+                    rubbing.iter().any(|interface| own.boundary.turns_against(other.boundary, interface))
+                });
+                let relative = others.filter_map(|other| {
+                    Some(turn - own.axis_along(other)? * other.degrees * factor(other.amplitude))
+                });
+                let degrees = relative.map(f64::abs).fold(turn.abs(), f64::max);
                 if !(degrees < MOST) {
                     let problem = Box::new(Problem::TurnsTooFar { degrees, increment });
+                    let line = own.boundary.line;
                     return Err(DeckError::Invalid { path: self.path.clone(), line, problem });
                 }
-                before.push(turn);
             }
             Ok(())
         };
@@ -251,6 +254,44 @@ impl Deck {
             })?;
         }
         Ok(())
+    }
+}
+
+/// A boundary that turns.
+struct Turning<'a> {
+    boundary: &'a Boundary,
+    axis: Vector3<f64>,
+    degrees: f64,
+    amplitude: &'a Amplitude,
+}
+
+impl<'a> Turning<'a> {
+    fn new(boundary: &'a Boundary) -> Option<Self> {
+        let (rotation, amplitude) = boundary.motion.rotation.as_ref()?;
+        Some(Self {
+            boundary,
+            axis: Vector3::from(rotation.axis).normalize(),
+            degrees: rotation.degrees,
+            amplitude,
+        })
+    }
+
+    /// 1 if the other turns about an axis of the same direction, −1 of the opposite one; else no angle between them is beyond 180°.
+    fn axis_along(&self, other: &Self) -> Option<f64> {
+        const PARALLEL: f64 = 1e-6;
+        (self.axis.cross(&other.axis).norm() < PARALLEL).then(|| self.axis.dot(&other.axis).signum())
+    }
+}
+
+impl Boundary {
+    /// Whether the two are of parts on the two sides of an interface.
+    fn turns_against(&self, other: &Self, interface: &Interface) -> bool {
+        let part = |reference: &Reference| reference.name.split('.').next().map(str::to_owned);
+        let on = |boundary: &Self, side: &[Reference]| {
+            boundary.nodes.iter().any(|nodes| side.iter().any(|own| part(own) == part(nodes)))
+        };
+        let [master, slave] = [&interface.master, &interface.slave];
+        on(self, master) && on(other, slave) || on(self, slave) && on(other, master)
     }
 }
 

@@ -229,7 +229,8 @@ impl Summary {
         let short = self.friction.iter().filter(|(_, friction)| friction.short > SHORT_FRICTION);
         short.map(|(name, friction)| {
             format!(
-                "friction of the interface `{}` is up to {:.1} % too small: the surface turns under its slaves within an increment. Shorter                  increments, or `integration = \"faces\"`, have all of it",
+                "friction of the interface `{}` is up to {:.1} % too small: the surface turns under its slaves within an increment. Shorter \
+                 increments, or `integration = \"faces\"`, have all of it",
                 shown(name),
                 100.0 * friction.short
             )

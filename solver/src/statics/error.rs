@@ -70,8 +70,8 @@ fn all(loose: &[Loose]) -> String {
     let averaged = &loose[0].averaged;
     if !averaged.is_empty() {
         parts += &format!(
-            "points of the faces touch at {}, where the gaps that count, averages around nodes, are open: there \
-             integration = {{ over = \"faces\", pressures = \"points\" }} or a first increment that presses by more holds it; ",
+            "at {} the gaps that count are averages around nodes, and points of the faces are far nearer: there \
+             integration = {{ over = \"faces\", pressures = \"points\" }} or a first increment that presses by more may hold it; ",
             list(averaged.iter().map(|name| format!("`{}`", shown(name))))
         );
     }

@@ -124,7 +124,7 @@ fn refuse_mistakes_with_facets(installed: &Installed, is_built_in: bool) {
         "PROPS(10:13), where there are such, that are finite and not negative",
         history,
         history,
-        "invalid-history",
+        "foreign-carrier",
         "invalid-window",
         "its nodes are not those of its window, in the order of that",
         "has left what its window holds",

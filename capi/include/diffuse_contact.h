@@ -1164,7 +1164,7 @@ enum dc_status dc_create_in_window(struct dc_window *window,
                                    const struct dc_options *options,
                                    struct dc_interface **interface);
 
-// Lowest x, y, z, highest x, y, z of facets, then the largest extent of one, 7 numbers. Those of the whole surface, for dc_part_create,
+// Lowest x, y, z, highest x, y, z of facets, then the longest edge of one, 7 numbers. Those of the whole surface, for dc_part_create,
 // are the least of the first three of all ranks, and the greatest of the others. Without facets they are infinite, and 0. Facets are
 // checked as in dc_create, each by itself.
 //

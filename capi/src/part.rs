@@ -17,7 +17,7 @@ pub struct dc_part;
 
 static PARTS: Registry<SurfacePart> = Registry::new("part", 7);
 
-/// Lowest x, y, z, highest x, y, z, the largest extent of a facet.
+/// Lowest x, y, z, highest x, y, z, the longest edge of a facet.
 const EXTENTS: usize = 7;
 
 /// Numbers in the whole surface.
@@ -43,7 +43,7 @@ unsafe fn of_length<const N: usize>(name: &str, numbers: *const f64) -> Result<[
     numbers.try_into().map_err(|_| Failure::new(DC_BAD_POINTER, format!("bad-pointer: {name} is NULL")))
 }
 
-/// Lowest x, y, z, highest x, y, z of facets, then the largest extent of one, 7 numbers. Those of the whole surface, for dc_part_create,
+/// Lowest x, y, z, highest x, y, z of facets, then the longest edge of one, 7 numbers. Those of the whole surface, for dc_part_create,
 /// are the least of the first three of all ranks, and the greatest of the others. Without facets they are infinite, and 0. Facets are
 /// checked as in dc_create, each by itself.
 ///

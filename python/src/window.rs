@@ -28,7 +28,7 @@ fn boxes_of(py: Python<'_>, array: &PyReadonlyArray2<'_, f64>) -> PyResult<Vec<B
     Ok(points(py, array)?.as_chunks::<2>().0.to_vec())
 }
 
-/// Lowest and highest corner, and the largest extent of a facet.
+/// Lowest and highest corner, and the longest edge of a facet.
 type ExtentsRow = (Point, Point, f64);
 
 fn extents_of((low, high, facet): ExtentsRow) -> Extents {

@@ -23,7 +23,7 @@ class Extents:
     Attributes:
         low: lowest coordinates of a node, length.
         high: highest coordinates, length.
-        facet: largest extent of a facet: of the coordinate differences of its corners from the first one, length.
+        facet: longest edge of a facet, length.
 
     """
 

@@ -449,9 +449,8 @@ fn a_turn_that_friction_cannot_follow_is_refused() {
             1,
         ))
     };
-    assert!(both("[0, 0, 3]").is_ok());
-    for (axis, degrees) in [("[0, 0, -1]", 200), ("[0, -1, -1]", 185)] {
-        let found = both(axis).unwrap_err().to_string();
-        assert!(found.contains(&format!("turns by {degrees}° in an increment of 0.25")), "{found}");
-    }
+    // Along, against, and about other axes, where no angle between them is beyond 180°.
+    assert!(both("[0, 0, 3]").is_ok() && both("[0, -1, -1]").is_ok());
+    let found = both("[0, 0, -1]").unwrap_err().to_string();
+    assert!(found.contains("turns by 200° in an increment of 0.25"), "{found}");
 }

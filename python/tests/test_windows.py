@@ -481,7 +481,7 @@ def test_faces_in_windows_refuse_what_takes_the_whole():
 def test_extents_are_values():
     one = dc.Extents.of([[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 1, 2]])
     assert one.joined(one) == one and hash(one.joined(one)) == hash(one)
-    assert one == dc.Extents((0.0, 0.0, 0.0), (1.0, 1.0, 0.0), 1.0)
+    assert one == dc.Extents((0.0, 0.0, 0.0), (1.0, 1.0, 0.0), np.sqrt(2.0))
     for nodes, corners in ([[[0, 0, 0], [1, 0, 0], [0, np.nan, 0]], [[0, 1, 2]]], [np.eye(3), [[0, 1, 3]]]):
         with pytest.raises(dc.SurfaceError):
             dc.Extents.of(nodes, corners)

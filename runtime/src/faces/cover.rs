@@ -6,7 +6,7 @@ use super::cut::far_side;
 use super::evaluate::SMALLEST_AREA;
 use super::{FaceInterface, FacePoint};
 use crate::Point;
-use crate::surface::{SurfaceIndex, shape_of};
+use crate::surface::{SurfaceIndex, connected_parts, shape_of};
 
 /// The places of all faces that lay over a facet when it was [asked for](FaceInterface::cover).
 #[derive(Clone, Debug, Default)]
@@ -32,7 +32,7 @@ impl FaceInterface {
     /// The places of the faces that lie over the master at the positions of the last update.
     pub fn cover(&self) -> FaceCover {
         let ranges = self.cuts.iter().map(|cut| cut.points.clone()).collect();
-        FaceCover { points: self.points.clone(), ranges, parts: self.master().parts() }
+        FaceCover { points: self.points.clone(), ranges, parts: connected_parts(self.master()) }
     }
 
     /// The places around the `k`-th node that lay over a connected part of the master then with which their face has no contact at the last

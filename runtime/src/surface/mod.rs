@@ -64,7 +64,7 @@ pub(crate) use domains::{NodalDomains, grown};
 pub(crate) use fits::Demands;
 pub(crate) use index::Closest;
 pub(crate) use lists::still_listed;
-pub(crate) use own::OwnSurface;
+pub(crate) use own::{OwnSurface, connected_parts};
 pub(crate) use shape::{Foot, Shape, shape_of};
 pub(crate) use sheet_nodes::SheetNodes;
 pub(crate) use sheets::{Carried, Listed, Sheets};

@@ -258,7 +258,7 @@ fn lies_behind(offset: Vector3, normal: Vector3, thickness: f64, extent: f64) ->
 }
 
 /// The number of the connected part that each facet belongs to.
-fn connected_parts(surface: &MasterSurface) -> Vec<u32> {
+pub(crate) fn connected_parts(surface: &MasterSurface) -> Vec<u32> {
     let mut parts = vec![NONE; surface.facet_count()];
     let mut next = Vec::new();
     for start in 0..surface.facet_count() {

@@ -131,31 +131,6 @@ impl MasterSurface {
         facets.iter().map(|&facet| facet as usize)
     }
 
-    /// Which connected part each facet is of: facets with a node in common are of one.
-    pub(crate) fn parts(&self) -> Vec<u32> {
-        let mut parts = vec![NONE; self.facet_count()];
-        let mut count = 0;
-        for start in 0..self.facet_count() {
-            if parts[start] != NONE {
-                continue;
-            }
-            parts[start] = count;
-            let mut open = vec![start];
-            while let Some(facet) = open.pop() {
-                for &place in self.corners_of(facet) {
-                    for &other in self.facets_of_place(place as usize) {
-                        if parts[other as usize] == NONE {
-                            parts[other as usize] = count;
-                            open.push(other as usize);
-                        }
-                    }
-                }
-            }
-            count += 1;
-        }
-        parts
-    }
-
     /// The facets at the node with this place in [`nodes`](Self::nodes), ascending.
     pub(crate) fn facets_of_place(&self, place: usize) -> &[u32] {
         &self.facets_of_nodes[self.offsets[place] as usize..self.offsets[place + 1] as usize]

@@ -190,7 +190,8 @@ pub unsafe extern "C" fn dc_faces_counts(
     })
 }
 
-/// The slave nodes, ascending: the order of results and multipliers.
+/// The slave nodes, ascending: the order of results and multipliers. A node on an edge of the slave sharper than the feature angle is
+/// there once for each sheet that meets there.
 ///
 /// # Safety
 /// `slaves` has `slave_count` entries.

@@ -19,7 +19,7 @@ use crate::window::{WINDOWS, dc_window};
 ///
 /// Gaps, pressures and areas after a dc_faces_refresh are those of the whole surfaces, bit for bit, or the node has the outcome
 /// DC_BEYOND_WINDOW and no pressure. Rows of forces and tangent are those of the whole where all nodes of the faces at their node are
-/// known. The history of friction names nodes by their numbers in the whole surfaces, as dc_window_names: two points of each node.
+/// known. The history of friction names nodes by their numbers in the whole surfaces, as dc_window_names: two points of each slave.
 ///
 /// DC_BAD_OPTION without a `distance_limit`, and for windows of other options or planes of symmetry. dc_faces_set_symmetry and
 /// dc_faces_add_quadratic are DC_BAD_OPTION, too, with the message "in-window"; dc_faces_add_quadratic_by_number is for windows.

@@ -326,7 +326,7 @@ pub unsafe extern "C" fn dc_window_first_positions(
 }
 
 /// How many numbers of a history each slave has, so that histories go with slaves to another rank: one after another they are a history
-/// again. One of dc_faces_history has two parts for each node. `part_count` gets the number of parts; `lengths` is NULL to ask for it.
+/// again. One of dc_faces_history has two parts for each slave. `part_count` gets the number of parts; `lengths` is NULL to ask for it.
 ///
 /// # Safety
 /// `history` has `count` entries; `lengths` is NULL or has `capacity`; `part_count` may be written.

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 
 import numpy as np
 from contact import ADD, Nodes, Pattern
@@ -167,15 +167,25 @@ class FaceContact:
         for rank, (wanted,) in asked.items():
             known = [number for number in wanted.tolist() if number in self.history]
             if known:
-                rows = [self.history[number] for number in known]
-                answers[rank] = (np.array(known), np.array([len(row) for row in rows]), np.concatenate(rows))
+                pairs = [(number, row) for number in known for row in self.history[number]]
+                lengths = np.array([len(row) for _, row in pairs])
+                of_rows = np.array([number for number, _ in pairs])
+                answers[rank] = (of_rows, lengths, np.concatenate([row for _, row in pairs]))
         found = {}
-        for wanted, lengths, values in self.exchange.to("history", answers).values():
+        for of_rows, lengths, values in self.exchange.to("history", answers).values():
             rows = np.split(values, np.cumsum(lengths)[:-1])
-            found.update(zip(wanted.tolist(), rows, strict=True))
+            self._by_number(of_rows, rows, found)
         if self.slides and self.interface is not None:
             nothing = np.array([-1.0, -1.0])
-            self.interface.history = np.concatenate([found.get(number, nothing) for number in numbers.tolist()])
+            rest = {number: iter(rows) for number, rows in found.items()}
+            own = [next(rest.get(number, iter(())), nothing) for number in numbers.tolist()]
+            self.interface.history = np.concatenate(own)
+
+    @staticmethod
+    def _by_number(numbers: np.ndarray, rows: Iterable[np.ndarray], found: dict[int, list[np.ndarray]]) -> None:
+        """A node on a sharp edge has a row for each sheet, in the same order wherever all faces at it are known."""
+        for number, row in zip(numbers.tolist(), rows, strict=True):
+            found.setdefault(number, []).append(row)
 
     def _numbers(self, nodes: np.ndarray) -> np.ndarray:
         """Of nodes of the slave in the input."""
@@ -226,7 +236,7 @@ class FaceContact:
                 # Two points of each node.
                 parts = dc.split_history(self.interface.history)
                 rows = map(np.concatenate, zip(parts[::2], parts[1::2], strict=True))
-                self.history = dict(zip(self._numbers(self.interface.slaves).tolist(), rows, strict=True))
+                self._by_number(self._numbers(self.interface.slaves), rows, self.history)
 
     def _kept_rows(self) -> np.ndarray:
         return np.repeat(self.owners == self.exchange.comm.rank, 3)
@@ -280,13 +290,16 @@ class FaceContact:
         return []
 
     def results(self) -> dict:
-        """What the own slaves have: numbers, forces, and average gaps, pressures and friction."""
+        """What the own slaves have: numbers, forces, and average gaps, pressures and friction, on a sharp edge those of the sheet that presses most."""
         found = {"slaves": self.slaves, "slave_forces": np.zeros((len(self.slaves), 3)), "contacts": []}
         if self.interface is None:
             return found
         place = self.first_slave + np.searchsorted(self.windows[1].nodes, self.slaves)
         found["slave_forces"] = self.interface.forces().reshape(-1, 3)[place]
-        contacts, rows = self.interface.contacts, np.searchsorted(self.interface.slaves, place)
+        contacts = self.interface.contacts
+        first, last = (np.searchsorted(self.interface.slaves, place, side) for side in ("left", "right"))
+        sheets = zip(first.tolist(), last.tolist(), strict=True)
+        rows = np.array([a + int(contacts.pressure[a:b].argmax()) for a, b in sheets], dtype=int)
         fields = contacts.gap[rows], contacts.pressure[rows], contacts.friction[rows]
         states = [contacts.friction_states[row] for row in rows.tolist()]
         found["contacts"] = list(zip(*fields, states, strict=True))

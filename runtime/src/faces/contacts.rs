@@ -5,7 +5,7 @@ use crate::friction::FrictionState;
 use crate::interface::{NoContact, Outcome};
 use crate::{Mode, Point};
 
-/// The contact of one node of the slave's surface: what the points around it give on average.
+/// The contact of one node of the slave's surface: what the points of its faces in one sheet give on average.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct NodeContact {
     /// The node.
@@ -171,7 +171,7 @@ impl Default for FaceContacts {
 }
 
 impl FaceContacts {
-    /// The nodes of the slave's surface, ascending.
+    /// The nodes of the slave's surface, as [`slaves`](super::FaceInterface::slaves) has them.
     pub fn nodes(&self) -> &[NodeContact] {
         &self.nodes
     }

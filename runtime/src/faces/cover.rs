@@ -47,7 +47,7 @@ impl FaceInterface {
     ) -> impl Iterator<Item = CoveredPlace> + 'a {
         let part = |point: &FacePoint| cover.parts[point.facet as usize];
         let found = |&point: &usize| self.contacts.found.get(point).copied().unwrap_or(false);
-        self.around[k].iter().map(|&face| face as usize).flat_map(move |face| {
+        self.slaves.around[k].iter().map(|&face| face as usize).flat_map(move |face| {
             let least = SMALLEST_AREA * shape_of(&self.faces[face], &self.first).area_vector().norm();
             let mut touched: Vec<(u32, f64)> = Vec::new();
             for point in self.cuts[face].points.clone().filter(found).map(|point| &self.points[point]) {

@@ -2,11 +2,10 @@
 
 use super::quadratic::{self, Carriers};
 use super::skin::Skin;
+use super::slave_nodes::SlaveNodes;
 use super::{FaceContacts, FaceCut, FaceInterface, FaceOptions, FaceReport, QuadraticFace};
 use crate::Point;
-use crate::interface::{
-    ContactElement, ContactInterface, InterfaceError, InterfaceOptions, areas_of, check_slaves,
-};
+use crate::interface::{ContactElement, ContactInterface, InterfaceError, InterfaceOptions, check_slaves};
 use crate::neighbourhood::NeighbourRule;
 use crate::surface::{Facet, MasterSurface, OwnSurface, SymmetryPlane, shape_of, sort};
 
@@ -66,29 +65,26 @@ impl FaceInterface {
         {
             return Err(InterfaceError::FacesNeedDomains);
         }
-        let areas = areas_of(&nodes_of(faces), faces, positions)?;
-        let skin = skin_of(faces, positions, &own, &[])?;
+        // Without faces, as on a rank of a parallel code, there is no surface.
+        let (mut skin, mut slaves) = (Skin::default(), SlaveNodes::default());
+        if !faces.is_empty() {
+            let surface = MasterSurface::new(positions, faces.to_vec())?;
+            let numbers: Vec<u32> = (0..faces.len() as u32).collect();
+            slaves = SlaveNodes::new(&surface, &numbers, positions, own.feature_angle_degrees)?;
+            skin = Skin::new(surface, positions, &own, &[])?;
+        }
         let interface = ContactInterface::new(master, Vec::new(), &[], positions, own)?;
-        Ok(Self::of((interface, skin, areas), faces.to_vec(), positions.to_vec(), options))
+        Ok(Self::of((interface, skin, slaves), faces.to_vec(), positions.to_vec(), options))
     }
 
     /// Of these parts, by positions in the first configuration.
     pub(super) fn of(
-        (interface, skin, areas): (ContactInterface, Skin, Vec<f64>),
+        (interface, skin, slaves): (ContactInterface, Skin, SlaveNodes),
         faces: Vec<Facet>,
         first: Vec<Point>,
         options: FaceOptions,
     ) -> Self {
         let master = interface.master();
-        let nodes = nodes_of(&faces);
-        let mut around = vec![Vec::new(); nodes.len()];
-        for (k, face) in faces.iter().enumerate() {
-            for node in face.corners() {
-                if let Ok(place) = nodes.binary_search(node) {
-                    around[place].push(k as u32);
-                }
-            }
-        }
         let facets = (0..master.facet_count()).map(|facet| master.facet(facet));
         let extents = facets.chain(faces.iter().copied()).map(|facet| shape_of(&facet, &first).extent());
         let smallest = extents.fold(f64::INFINITY, f64::min);
@@ -101,10 +97,8 @@ impl FaceInterface {
             skin,
             positions: first.clone(),
             first,
-            cliques: vec![Vec::new(); nodes.len()],
-            nodes,
-            areas,
-            around,
+            cliques: vec![Vec::new(); slaves.nodes.len()],
+            slaves,
             points: Vec::new(),
             limits: Vec::new(),
             cut_at: None,
@@ -144,10 +138,14 @@ impl FaceInterface {
     pub fn set_symmetry(&mut self, planes: &[SymmetryPlane]) -> Result<(), InterfaceError> {
         self.check_whole("a plane of symmetry")?;
         let own = InterfaceOptions { areas: false, ..self.options.interface };
-        let skin = skin_of(&self.faces, &self.first, &own, planes)?;
+        let skin = if self.faces.is_empty() {
+            Skin::default()
+        } else {
+            Skin::new(MasterSurface::new(&self.first, self.faces.clone())?, &self.first, &own, planes)?
+        };
         let mut interface = ContactInterface::new(self.master().clone(), Vec::new(), &[], &self.first, own)?;
         interface.set_symmetry(planes)?;
-        interface.check_slave_sides(&self.nodes)?;
+        interface.check_slave_sides(self.slaves())?;
         if self.interface.symmetry() != planes {
             self.tracks = None;
         }
@@ -168,18 +166,8 @@ impl FaceInterface {
     }
 }
 
-/// The smooth surface of faces; without any, as on a rank of a parallel code, there is none.
-fn skin_of(
-    faces: &[Facet],
-    first: &[Point],
-    options: &InterfaceOptions,
-    planes: &[SymmetryPlane],
-) -> Result<Skin, InterfaceError> {
-    if faces.is_empty() { Ok(Skin::default()) } else { Skin::new(faces, first, options, planes) }
-}
-
 /// The corners of faces, ascending, each once.
-pub(super) fn nodes_of(faces: &[Facet]) -> Vec<usize> {
+fn nodes_of(faces: &[Facet]) -> Vec<usize> {
     let mut nodes: Vec<usize> = faces.iter().flat_map(|face| face.corners()).copied().collect();
     sort(&mut nodes);
     nodes

@@ -15,7 +15,7 @@ use crate::assembly::{AssemblyError, ContactLaw};
 use crate::friction::NormalForce;
 use crate::interface::{ContactRef, InterfaceError, NoContact, Outcome, Results, Second};
 use crate::neighbourhood::Fallback;
-use crate::surface::{Facet, shape_of, sort};
+use crate::surface::{shape_of, sort};
 use crate::vector::Vector3;
 
 /// Nodes with less than this part of their area over the master carry nothing.
@@ -50,10 +50,12 @@ impl PointStates {
     }
 }
 
-/// The corners of a face among the slave's nodes; `None` of a node that is none.
-type Places = [Option<usize>; 4];
-
 impl FaceInterface {
+    /// The places of a face's corners among the slaves.
+    pub(super) fn places_of(&self, face: usize) -> impl Iterator<Item = usize> + Clone {
+        self.slaves.of_face(face, &self.faces[face])
+    }
+
     /// Hands over each point with the number of its face, the shape functions of the face's corners, and its contact.
     pub(super) fn for_each_point(
         &self,
@@ -87,36 +89,27 @@ impl FaceInterface {
         let blank = |(k, &slave): (usize, &usize)| {
             NodeContact::without(slave, NoContact::NothingOver { limit: self.limit_around(k) })
         };
-        let mut nodes: Vec<NodeContact> = self.nodes.iter().enumerate().map(blank).collect();
+        let mut nodes: Vec<NodeContact> = self.slaves().iter().enumerate().map(blank).collect();
         let (mode, normals) = if has_normals { (Mode::Gradient, nodes.len()) } else { (Mode::Value, 0) };
         let mut normals = vec![Vector3::zeros(); normals];
         let is_by_points = self.options.pressures == FacePressures::Points;
         let mut points = PointStates::default();
         points.is_contact.reserve(self.points.len());
-        // A face's points come one after another.
-        let mut corners: (usize, Places) = (usize::MAX, [None; 4]);
         let mut failed = None;
         self.for_each_point(mode, |face, point, functions, contact| {
             let is_contact = contact.outcome.is_contact();
             points.is_contact.push(is_contact);
-            if corners.0 != face {
-                corners = (face, [None; 4]);
-                let found =
-                    self.faces[face].corners().iter().map(|corner| self.nodes.binary_search(corner).ok());
-                corners.1.iter_mut().zip(found).for_each(|(place, found)| *place = found);
-            }
             let mut own = NormalForce { force: 0.0, stiffness: 0.0 };
             if is_by_points {
                 if is_contact {
-                    match point_pressure(law, &corners.1, &functions, contact.point.gap) {
+                    match point_pressure(law, self.places_of(face).zip(functions), contact.point.gap) {
                         Ok(found) => own = found,
                         Err(error) => failed = failed.take().or(Some(error)),
                     }
                 }
                 points.pressures.push(own);
             }
-            for (place, n) in corners.1.into_iter().zip(functions) {
-                let Some(place) = place else { continue };
+            for (place, n) in self.places_of(face).zip(functions) {
                 let node = &mut nodes[place];
                 match (contact.outcome, node.outcome) {
                     (Outcome::Contact { .. }, _) => {
@@ -159,11 +152,11 @@ impl FaceInterface {
         normal: Option<&mut Vector3>,
         law: &ContactLaw<'_>,
     ) -> Result<NodeContact, InterfaceError> {
-        let unknown = self.window.as_ref().and_then(|window| window.of_node(k, &self.around[k]));
+        let unknown = self.window.as_ref().and_then(|window| window.of_node(k, &self.slaves.around[k]));
         if let Some(reason) = unknown {
             return Ok(NodeContact::without(sums.slave, reason));
         }
-        if !(sums.area > SMALLEST_AREA * self.areas[k]) {
+        if !(sums.area > SMALLEST_AREA * self.areas()[k]) {
             let reason = match sums.outcome {
                 Outcome::Contact { .. } => NoContact::NothingOver { limit: self.limit_around(k) },
                 Outcome::None(reason) => reason,
@@ -195,10 +188,9 @@ impl FaceInterface {
         earlier: Vec<FacePart>,
     ) -> Result<(), InterfaceError> {
         let is_by_points = self.options.pressures == FacePressures::Points;
-        let load = |face: &Facet| {
+        let load = |face: usize| {
             let mut load = FaceLoad::default();
-            for (corner, node) in face.corners().iter().enumerate() {
-                let Ok(place) = self.nodes.binary_search(node) else { continue };
+            for (corner, place) in self.places_of(face).enumerate() {
                 let pressure = contacts.nodes[place].pressure;
                 load.pressures[corner] = pressure;
                 if let Some(Some(traction)) = tractions.get(place) {
@@ -209,7 +201,7 @@ impl FaceInterface {
             }
             load
         };
-        let loads: Vec<FaceLoad> = self.faces.iter().map(load).collect();
+        let loads: Vec<FaceLoad> = (0..self.faces.len()).map(load).collect();
         let is_loaded = |k: &usize| {
             let own = &self.cuts[*k].points;
             let is_pressed = loads[*k].pressures.iter().any(|&p| p > 0.0);
@@ -368,7 +360,8 @@ impl FaceInterface {
     ) -> NodeBlock {
         let is_by_points = self.options.pressures == FacePressures::Points;
         let faces = || {
-            self.around[k].iter().filter_map(|&face| Some((face as usize, of_face[face as usize].as_ref()?)))
+            let around = self.slaves.around[k].iter().map(|&face| face as usize);
+            around.filter_map(|face| Some((face, of_face[face].as_ref()?)))
         };
         let all = |of: fn(&FaceCut) -> &[u32]| {
             let mut nodes: Vec<u32> = faces().flat_map(|(face, _)| of(&self.cuts[face])).copied().collect();
@@ -453,13 +446,11 @@ impl NodeBlock {
 /// The pressure at a point of a face; a law of one's own is asked for that of the nearest corner.
 fn point_pressure(
     law: &ContactLaw<'_>,
-    places: &Places,
-    functions: &[f64; 4],
+    corners: impl Iterator<Item = (usize, f64)> + Clone,
     gap: f64,
 ) -> Result<NormalForce, AssemblyError> {
-    let own = || places.iter().zip(functions).filter_map(|(place, n)| Some(((*place)?, *n)));
-    let nearest = own().max_by(|(_, one), (_, other)| one.total_cmp(other));
-    let multiplier = own().map(|(place, n)| n * law.multiplier(place)).sum();
+    let nearest = corners.clone().max_by(|(_, one), (_, other)| one.total_cmp(other));
+    let multiplier = corners.map(|(place, n)| n * law.multiplier(place)).sum();
     let found = law.checked_force_with(multiplier, nearest.map_or(0, |(place, _)| place), gap, 1.0)?;
     Ok(NormalForce { stiffness: if found.force > 0.0 { found.stiffness } else { 0.0 }, ..found })
 }

@@ -289,8 +289,8 @@ impl FaceInterface {
         moves: impl Fn(usize) -> bool,
     ) -> Result<(Option<Vec<Option<Track>>>, Vec<f64>), InterfaceError> {
         let Some(friction) = law.friction else {
-            law.validate(self.nodes.len())?;
-            return Ok((None, vec![0.0; self.nodes.len()]));
+            law.validate(self.slaves().len())?;
+            return Ok((None, vec![0.0; self.slaves().len()]));
         };
         if !friction.is_augmented() {
             return Err(AssemblyError::NoAugmentation.into());
@@ -338,7 +338,7 @@ impl FaceInterface {
             .collect::<Result<_, _>>()?;
         let mut of_face: Vec<Option<FaceTrack>> = (0..self.faces.len()).map(|_| None).collect();
         cut.into_iter().zip(tracks.into_iter().flatten()).for_each(|(k, track)| of_face[k] = Some(track));
-        let around = self.nodes.par_iter().zip(&self.around);
+        let around = self.slaves().par_iter().zip(&self.slaves.around);
         Ok(around.map(|(&node, around)| self.track_of(node, around, &of_face)).collect())
     }
 
@@ -354,11 +354,8 @@ impl FaceInterface {
             FaceTrack { totals: [0.0; 4], own: of_corners(), over: of_corners() }
         };
         let mut tracks: Vec<FaceTrack> = faces.iter().map(blank).collect();
-        let pressure_of = |node: &usize| {
-            let place = self.nodes.binary_search(node).ok();
-            place.map(|place| nodes[place].pressure).filter(|&pressure| pressure > 0.0)
-        };
-        let of_corners = |&face: &usize| self.faces[face].corners().iter().map(pressure_of).collect();
+        let pressure_of = |place: usize| Some(nodes[place].pressure).filter(|&pressure| pressure > 0.0);
+        let of_corners = |&face: &usize| self.places_of(face).map(pressure_of).collect();
         let pressed: Vec<Vec<Option<f64>>> = faces.iter().map(of_corners).collect();
         self.for_each_contact_of(faces, Mode::Gradient, results, |k, point, contact| {
             let face = faces[k];
@@ -470,7 +467,7 @@ impl FaceInterface {
         if !rest.is_empty() {
             return Err(InterfaceError::InvalidHistory { place: history.len() });
         }
-        let (found, expected) = (pairs.len(), self.nodes.len());
+        let (found, expected) = (pairs.len(), self.slaves().len());
         if found != expected {
             return Err(InterfaceError::AnchorCount { found, expected });
         }

@@ -13,6 +13,8 @@
 //! * **Pressures of points** instead, p = max(0, Σ N_A λ_A − ε g) at each, by [`FacePressures::Points`]: for faces that are wide beside
 //!   the master's radius of curvature.
 //! * **Balance.** Σ f = 0, and Σ x × f = 0: the points of face and facet lie on one line along the force.
+//! * **Sharp edges.** What is averaged belongs to one sheet of the slave: a node on an edge sharper than the feature angle has a gap and a
+//!   pressure for each sheet that meets there ([`slaves`](FaceInterface::slaves)).
 //! * **Patch test.** Faces are cut along the edges of the facets over them, so that uniform pressures pass exactly between faces whose
 //!   opposite edges are parallel.
 //! * **Areas** are those of the first configuration: p is force per area there.
@@ -73,6 +75,7 @@ mod points;
 mod product;
 mod quadratic;
 mod skin;
+mod slave_nodes;
 mod track;
 mod window;
 
@@ -90,6 +93,7 @@ use cut::{CutScratch, Cutting, FacePoint, cut};
 use evaluate::Averages;
 use quadratic::{Carriers, Carrying};
 use skin::Skin;
+use slave_nodes::SlaveNodes;
 use track::Track;
 use window::FaceWindow;
 
@@ -189,12 +193,8 @@ pub struct FaceInterface {
     first: Vec<Point>,
     /// Of all nodes, by the last update or refresh.
     positions: Vec<Point>,
-    /// Corners of the faces, ascending.
-    nodes: Vec<usize>,
-    /// ∫ N_A dA over all of each node's faces, length².
-    areas: Vec<f64>,
-    /// The faces of each node.
-    around: Vec<Vec<u32>>,
+    /// Corners of the faces.
+    slaves: SlaveNodes,
     points: Vec<FacePoint>,
     /// Of each face: how far away a facet may be, length.
     limits: Vec<f64>,
@@ -251,22 +251,24 @@ impl FaceInterface {
         self.interface.master()
     }
 
-    /// The nodes of the slave's faces, in the order of all results.
+    /// The nodes of the slave's faces, in the order of all results: ascending, and one on an edge sharper than the
+    /// [feature angle](InterfaceOptions::feature_angle_degrees) in the first configuration once for each sheet that meets there. Sheets of
+    /// one node come in the order of their lowest faces.
     pub fn slaves(&self) -> &[usize] {
-        &self.nodes
+        &self.slaves.nodes
     }
 
-    /// ∫ N_A dA over all faces of each node in the first configuration, length².
+    /// ∫ N_A dA over the faces of each in the first configuration, length².
     pub fn areas(&self) -> &[f64] {
-        &self.areas
+        &self.slaves.areas
     }
 
-    /// The nodes that the faces around the `k`-th node exert forces on, as they are cut now; some may be there more than once.
+    /// The nodes that the faces around the `k`-th slave exert forces on, as they are cut now; some may be there more than once.
     ///
     /// # Panics
     /// If there is no such node.
     pub fn carriers(&self, k: usize) -> impl Iterator<Item = u32> + '_ {
-        self.around[k].iter().flat_map(|&face| self.cuts[face as usize].rows.iter().copied())
+        self.slaves.around[k].iter().flat_map(|&face| self.cuts[face as usize].rows.iter().copied())
     }
 
     /// Middles of edges and faces where the slave's own nodes carry no fit: there its faces are as flat as their corners say.
@@ -300,7 +302,7 @@ impl FaceInterface {
     fn check_positions(&self, positions: &[Point]) -> Result<(), InterfaceError> {
         InterfaceError::check_count(positions, self.first.len())?;
         self.master().check_positions(positions)?;
-        let mut nodes = self.nodes.iter().chain(&self.carriers.nodes);
+        let mut nodes = self.slaves.nodes.iter().chain(&self.carriers.nodes);
         Ok(nodes.try_for_each(|&node| check_position(positions, node))?)
     }
 
@@ -312,7 +314,7 @@ impl FaceInterface {
         }
         let masters = self.master().nodes().iter().map(|&node| node as usize);
         let moved = |node: usize| (Vector3::from(positions[node]) - Vector3::from(cut_at[node])).norm();
-        let others = self.nodes.iter().chain(&self.carriers.nodes).copied();
+        let others = self.slaves.nodes.iter().chain(&self.carriers.nodes).copied();
         others.chain(masters).all(|node| moved(node) <= HELD * self.smallest)
     }
 
@@ -422,7 +424,7 @@ impl FaceInterface {
     /// The largest limit of the faces around a node, at the last positions.
     fn limit_around(&self, k: usize) -> f64 {
         let of_face = |&face: &u32| self.limits.get(face as usize).copied().unwrap_or(0.0);
-        self.around[k].iter().map(of_face).fold(0.0, f64::max)
+        self.slaves.around[k].iter().map(of_face).fold(0.0, f64::max)
     }
 
     fn cut_of(&self, k: usize, points: Range<usize>) -> FaceCut {
@@ -444,7 +446,7 @@ impl FaceInterface {
 
     /// Nodes that the faces around each node couple; whether there are new ones.
     fn couple(&mut self, forgets: bool) -> bool {
-        let Self { cliques, around, cuts, tracks, augmented, .. } = self;
+        let Self { cliques, slaves: SlaveNodes { around, .. }, cuts, tracks, augmented, .. } = self;
         let grown = cliques.par_iter_mut().zip(around).enumerate().map(|(k, (clique, around))| {
             let tracks =
                 [&*tracks, &*augmented].into_iter().flatten().filter_map(|tracks| tracks[k].as_ref());
@@ -497,7 +499,7 @@ impl FaceInterface {
 
     /// Whether the law can be evaluated now.
     fn check_law(&self, law: &ContactLaw<'_>) -> Result<(), InterfaceError> {
-        law.validate(self.nodes.len())?;
+        law.validate(self.slaves().len())?;
         if self.cut_at.is_none() { Err(InterfaceError::NotRefreshed) } else { Ok(()) }
     }
 }

@@ -43,11 +43,9 @@ impl FaceInterface {
             if !contact.outcome.is_contact() {
                 return;
             }
-            let corners = self.faces[face].corners();
             let (mut pressure, mut friction) = (0.0, Vector3::zeros());
-            for (corner, n) in corners.iter().zip(functions) {
-                let place = self.nodes.binary_search(corner).ok();
-                if let Some(node) = place.and_then(|place| self.contacts.nodes().get(place)) {
+            for (place, n) in self.places_of(face).zip(functions) {
+                if let Some(node) = self.contacts.nodes().get(place) {
                     let share = if own.is_some() && node.pressure > 0.0 { 1.0 / node.pressure } else { 1.0 };
                     pressure += n * node.pressure;
                     friction += Vector3::from(node.friction) * (n * share);

@@ -5,6 +5,7 @@
 //! edges and, of a quadrilateral, its centre. The points are affine combinations of nodes, whose weights φ_k are those of the first
 //! configuration (docs/equations.md, section 18).
 
+use super::slave_nodes::SlaveNodes;
 use crate::affine::Carrier;
 use crate::interface::{
     ContactElement, ContactInterface, InterfaceError, InterfaceOptions, PointsWithinReach,
@@ -114,40 +115,38 @@ fn between(facet: &Facet) -> Vec<Vec<usize>> {
 }
 
 impl Skin {
-    /// The faces in their first configuration.
+    /// The facets of a surface in their first configuration.
     pub fn new(
-        faces: &[Facet],
+        surface: MasterSurface,
         first: &[Point],
         options: &InterfaceOptions,
         planes: &[SymmetryPlane],
     ) -> Result<Self, InterfaceError> {
+        let faces: Vec<Facet> = (0..surface.facet_count()).map(|facet| surface.facet(facet)).collect();
         match options.element {
             ContactElement::NodeToFacet => {
                 let extents = faces.iter().map(|face| shape_of(face, first).extent());
                 let symmetry = Symmetry::of_planes(planes, extents.fold(0.0, f64::max))?;
-                // Faces that stand there twice would carry twice the force.
-                MasterSurface::new(first, faces.to_vec())?;
-                Ok(Self { symmetry, straight: 0, ..Self::of(faces, |_| None) })
+                Ok(Self { symmetry, straight: 0, ..Self::of(&faces, |_| None) })
             }
             ContactElement::Diffuse { weight, search, .. } => {
-                let surface = MasterSurface::new(first, faces.to_vec())?;
                 let options = own_options(options, weight, search.basis);
                 let mut own = ContactInterface::new(surface, Vec::new(), &[], first, options)?;
                 if !planes.is_empty() {
                     own.set_symmetry(planes)?;
                 }
-                let numbered: Vec<(u32, Facet)> = (0..).zip(faces.iter().copied()).collect();
+                let numbered: Vec<(u32, Facet)> = (0..).zip(faces).collect();
                 Self::through(&mut own, &numbered, first, weight)
             }
         }
     }
 
-    /// The faces of a window's core, with its nodes from `offset` on.
+    /// The faces of a window's core and their nodes, which stand from `offset` on.
     pub fn in_window(
         window: &Window,
         offset: usize,
         options: &InterfaceOptions,
-    ) -> Result<Self, InterfaceError> {
+    ) -> Result<(Self, SlaveNodes), InterfaceError> {
         let ContactElement::Diffuse { weight, search, .. } = options.element else {
             return Err(WindowError::NeedsDomains.into());
         };
@@ -155,10 +154,13 @@ impl Skin {
         let faces: Vec<(u32, Facet)> = window.core_facets().collect();
         let options = own_options(options, weight, search.basis);
         let mut own = ContactInterface::in_window(window, Vec::new(), &[], &first, options)?;
+        let numbers: Vec<u32> = faces.iter().map(|&(number, _)| number).collect();
+        let mut slaves = SlaveNodes::new(own.master(), &numbers, &first, options.feature_angle_degrees)?;
+        slaves.nodes.iter_mut().for_each(|node| *node += offset);
         let mut skin = Self::through(&mut own, &faces, &first, weight)?;
         let carriers = skin.faces.iter_mut().flat_map(|face| &mut face.carriers);
         carriers.for_each(|carrier| carrier.node += offset as u32);
-        Ok(skin)
+        Ok((skin, slaves))
     }
 
     /// Faces of a surface, with their numbers, whose points between the corners lie on its fits.

@@ -1,11 +1,10 @@
 //! Faces of a rank, where nobody holds the whole of either surface. See [`surface::window`](crate::surface::window).
 
-use super::create::nodes_of;
 use super::quadratic::{self, BEYOND, Carriers, Carrying};
 use super::skin::Skin;
 use super::{FaceInterface, FaceOptions, QuadraticFace};
 use crate::Point;
-use crate::interface::{ContactInterface, InterfaceError, InterfaceOptions, NoContact, areas_of};
+use crate::interface::{ContactInterface, InterfaceError, InterfaceOptions, NoContact};
 use crate::surface::window::{Known, Window};
 use crate::surface::{Facet, Shape, shape_of};
 
@@ -117,11 +116,10 @@ impl FaceInterface {
             return Err(InterfaceError::OtherThanWindows { found, master: offset, slave: of_slave });
         }
         let interface = ContactInterface::in_window(master, Vec::new(), &[], positions, own)?;
-        let skin = Skin::in_window(slave, offset, &own)?;
+        let (skin, slaves) = Skin::in_window(slave, offset, &own)?;
         let faces: Vec<Facet> = slave.core_facets().map(|(_, face)| moved(&face, offset)).collect();
         let first: Vec<Point> = master.first_positions().chain(slave.first_positions()).collect();
-        let areas = areas_of(&nodes_of(&faces), &faces, &first)?;
-        let mut made = Self::of((interface, skin, areas), faces, first, options);
+        let mut made = Self::of((interface, skin, slaves), faces, first, options);
         made.positions.copy_from_slice(positions);
         let known = slave.known(&made.first[offset..]);
         let of_node = |&node: &usize| {
@@ -129,7 +127,7 @@ impl FaceInterface {
             let is_beside = !(needed <= around);
             is_beside.then_some(NoContact::BeyondWindow { needed, known: around })
         };
-        let of_nodes = made.nodes.iter().map(of_node).collect();
+        let of_nodes = made.slaves().iter().map(of_node).collect();
         let master = master.known(positions);
         let of_carriers = vec![None; made.faces.len()];
         made.window = Some(FaceWindow { master, slave: known, of_carriers, of_nodes, beyond: Vec::new() });

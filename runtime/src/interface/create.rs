@@ -210,11 +210,7 @@ pub(crate) fn check_slaves(
 }
 
 /// The tributary areas of the slaves.
-pub(crate) fn areas_of(
-    slaves: &[usize],
-    facets: &[Facet],
-    positions: &[Point],
-) -> Result<Vec<f64>, InterfaceError> {
+fn areas_of(slaves: &[usize], facets: &[Facet], positions: &[Point]) -> Result<Vec<f64>, InterfaceError> {
     let areas = tributary_areas(positions, facets)?;
     let area = |&node: &usize| match areas[node] {
         area if area > 0.0 => Ok(area),

@@ -102,7 +102,7 @@ pub use part::{PartDemands, PartFacets, SurfacePart};
 pub use report::{FallbackCounts, GapJump, RefreshReport, SlaveGap};
 
 pub(crate) use contacts::{Results, reserve};
-pub(crate) use create::{areas_of, check_slaves};
+pub(crate) use create::check_slaves;
 pub(crate) use fold::{FitPoint, back};
 pub(crate) use linearise::{LinearContacts, Second, SecondForm};
 use nodal::Nodal;

@@ -22,36 +22,31 @@ pub fn tributary_areas(positions: &[Point], facets: &[Facet]) -> Result<Vec<f64>
     check_facets(positions, facets)?;
     let mut areas = vec![0.0; positions.len()];
     for facet in facets {
-        match facet {
-            Facet::Triangle(corners) => {
-                let share = shape_of(facet, positions).area_vector().norm() / 3.0;
-                for &node in corners {
-                    areas[node] += share;
-                }
-            }
-            Facet::Quadrilateral(corners) => {
-                let shares = integrate_shape_functions(&shape_of(facet, positions));
-                for (&node, share) in corners.iter().zip(shares) {
-                    areas[node] += share;
-                }
-            }
+        for (&node, share) in facet.corners().iter().zip(shape_of(facet, positions).shares()) {
+            areas[node] += share;
         }
     }
     Ok(areas)
 }
 
-/// ∫ N_k dA over a bilinear quadrilateral.
-fn integrate_shape_functions(shape: &Shape) -> [f64; 4] {
-    let mut shares = [0.0; 4];
-    for (xi, weight_xi) in GAUSS {
-        for (eta, weight_eta) in GAUSS {
-            let area = weight_xi * weight_eta * shape.area_element([xi, eta]).norm();
-            for (share, n) in shares.iter_mut().zip(shape.functions([xi, eta])) {
-                *share += n * area;
+impl Shape {
+    /// ∫ N_k dA of each corner, length².
+    pub(crate) fn shares(&self) -> [f64; 4] {
+        if let Self::Triangle(_) = self {
+            let share = self.area_vector().norm() / 3.0;
+            return [share, share, share, 0.0];
+        }
+        let mut shares = [0.0; 4];
+        for (xi, weight_xi) in GAUSS {
+            for (eta, weight_eta) in GAUSS {
+                let area = weight_xi * weight_eta * self.area_element([xi, eta]).norm();
+                for (share, n) in shares.iter_mut().zip(self.functions([xi, eta])) {
+                    *share += n * area;
+                }
             }
         }
+        shares
     }
-    shares
 }
 
 #[cfg(test)]

@@ -42,7 +42,8 @@ impl SheetNodes {
         Self { of_edges, ..nodes }
     }
 
-    fn without_auxiliary(surface: &MasterSurface, creases: &Creases) -> Self {
+    /// Without auxiliary points.
+    pub fn without_auxiliary(surface: &MasterSurface, creases: &Creases) -> Self {
         let mut places = Vec::with_capacity(surface.nodes().len());
         let mut of_corners = vec![[NONE; 4]; surface.facet_count()];
         let mut run = Vec::new();

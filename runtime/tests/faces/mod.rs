@@ -1,5 +1,6 @@
 //! Forces, balance and tangent of contact over faces.
 
+mod edges;
 mod friction;
 mod input;
 mod law;

@@ -62,12 +62,12 @@ pub fn adjust(
     limit: f64,
 ) -> Result<Adjusted, AdjustError> {
     evaluate(interaction, start)?;
-    let (nodes, held) = within(interaction, free, limit)?;
+    let (movable, held) = within(interaction, free, limit)?;
     let mut positions = start.to_vec();
     let mut worst = (0, 0.0);
     for _ in 0..ROUNDS {
         let (mut extent, mut largest): (f64, f64) = (0.0, 0.0);
-        for slave in interaction.slaves().filter(|slave| nodes.contains(&slave.node)) {
+        for (_, slave) in interaction.slaves().enumerate().filter(|(k, _)| movable.contains(k)) {
             let node = slave.node;
             let Some(gap) = slave.gap.map(|_| slave.average_gap) else {
                 return Err(AdjustError::Lost { node });
@@ -83,6 +83,8 @@ pub fn adjust(
             extent = positions[node].iter().fold(extent, |extent, x| extent.max(x.abs()));
         }
         if largest <= (CLOSED * limit).max(LAST_DIGITS * extent) {
+            let slaves = interaction.slaves().enumerate().filter(|(k, _)| movable.contains(k));
+            let nodes: BTreeSet<usize> = slaves.map(|(_, slave)| slave.node).collect();
             let moved = nodes.into_iter().map(|node| (node, positions[node])).collect();
             return Ok(Adjusted { moved, held });
         }
@@ -102,7 +104,7 @@ fn free_part(slave: &SlaveState, free: &[[bool; 3]]) -> f64 {
     (0..3).filter(|&axis| free[slave.node][axis]).map(|axis| slave.normal[axis].powi(2)).sum()
 }
 
-/// The slave nodes within the limit that can be moved, and how many others have free axes, but hardly any along the normal.
+/// The slaves within the limit that can be moved, by place, and how many others have free axes, but hardly any along the normal.
 fn within(
     interaction: &Interaction,
     free: &[[bool; 3]],
@@ -110,14 +112,14 @@ fn within(
 ) -> Result<(BTreeSet<usize>, usize), AdjustError> {
     let (mut movable, mut held, mut count) = (BTreeSet::new(), 0, 0);
     let is_near = |slave: &SlaveState| slave.gap.is_some() && slave.average_gap.abs() <= limit;
-    for slave in interaction.slaves().filter(is_near) {
+    for (k, slave) in interaction.slaves().enumerate().filter(|(_, slave)| is_near(slave)) {
         let (node, size) = (slave.node, interaction.facet_size_at(slave.node));
         count += 1;
         if free_part(&slave, free) >= LEAST_FREE {
             if !(limit <= FARTHEST * size) {
                 return Err(AdjustError::Far { node, limit, size });
             }
-            movable.insert(node);
+            movable.insert(k);
         } else if free[node].contains(&true) {
             held += 1;
         }

@@ -150,19 +150,21 @@ impl Pass for FacePass {
             let NodeContact { slave: node, outcome, area, normal, friction, friction_state, slip, .. } =
                 *contact;
             let force = contact.force();
+            let is_again = k > 0 && self.contacts()[k - 1].slave == node;
+            let of_node = || [0, 1, 2].map(|axis| self.forces[3 * node + axis]);
+            let nodal_force = if is_again { [0.0; 3] } else { of_node() };
             match outcome {
                 // A node with nothing over its own facets may carry what is over others of its face.
-                Outcome::None(reason) => SlaveState {
-                    nodal_force: [0, 1, 2].map(|axis| self.forces[3 * node + axis]),
-                    ..SlaveState::without(node, self.interface.areas()[k], reason)
-                },
+                Outcome::None(reason) => {
+                    SlaveState { nodal_force, ..SlaveState::without(node, self.interface.areas()[k], reason) }
+                }
                 Outcome::Contact { fallback } => SlaveState {
                     node,
                     gap: Some(if self.has_point_pressures() { contact.smallest_gap } else { contact.gap }),
                     average_gap: contact.gap,
                     force,
                     normal,
-                    nodal_force: [0, 1, 2].map(|axis| self.forces[3 * node + axis]),
+                    nodal_force,
                     friction: friction.map(|traction| traction * area),
                     friction_state,
                     slip,

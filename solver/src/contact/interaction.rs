@@ -35,7 +35,7 @@ fn sizes_around(areas: &[f64], facets: &[Facet]) -> HashMap<usize, f64> {
     parts.into_iter().map(size).collect()
 }
 
-/// Contact of one slave node at the last evaluation.
+/// Contact of one slave node at the last evaluation. Over faces a node on a sharp edge has one of each sheet of the slave that meets there.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SlaveState {
     /// The slave node.
@@ -50,7 +50,7 @@ pub struct SlaveState {
     /// Normal at the foot; zero without a gap.
     pub normal: Point,
     /// What the contact exerts on the slave node: force · N, nearly along the normal, and friction. The smooth surface follows the slave
-    /// by its weights, so that a small part of force · N lies in the tangent plane.
+    /// by its weights, so that a small part of force · N lies in the tangent plane. Of a node with several sheets the first has it all.
     pub nodal_force: Point,
     /// The part of it that is friction, −c ∇q.
     pub friction: Point,

@@ -85,10 +85,9 @@ impl Penetration {
             };
             warnings.push(format!(
                 "interface `{interface}`: points of the slave's faces lay deeper below the master than the average gaps of their nodes, {by}: \
-                 the faces are coarse beside the master's curvature, or the slave's surface goes over an edge, so that contact begins late and \
-                 forces are inaccurate; without multipliers pressures of points (integration = {{ over = \"faces\", pressures = \"points\" }}) \
-                 help in both cases, smaller faces, exchanged roles or integration = \"nodes\" in the first, and a slave of the pressed face \
-                 alone in the second"
+                 the faces are coarse beside the master's curvature, or the slave's surface is round over an edge, so that contact begins late and \
+                 forces are inaccurate; in the first case smaller faces, exchanged roles, integration = \"nodes\" or without multipliers \
+                 pressures of points (integration = {{ over = \"faces\", pressures = \"points\" }}) help, in the second a smaller feature_angle"
             ));
         }
         warnings
@@ -112,7 +111,7 @@ mod tests {
         for found in [points, late] {
             let [coarse] = &said(found)[..] else { panic!("one") };
             assert!(coarse.contains(
-                "the faces are coarse beside the master's curvature, or the slave's surface goes over an edge"
+                "the faces are coarse beside the master's curvature, or the slave's surface is round over an edge"
             ));
             assert!(coarse.contains("pressures = \"points\""), "{coarse}");
             assert_eq!(said(slaves.max(found)), [deep.clone(), coarse.clone()]);

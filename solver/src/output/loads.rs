@@ -34,8 +34,8 @@ struct Share {
 enum Area {
     /// The part of the node's area over the master, length². What several interactions cover may be the same.
     Covered(f64),
-    /// The same of a node of a face of second order, which has no tributary area to compare it with.
-    CoveredByOrder(f64),
+    /// The same of a node of a face of second order or of one sheet of several, which has no tributary area to compare it with.
+    CoveredAlone(f64),
     /// That of the slave's nodes.
     Tributary,
     /// Over faces, where nothing lies over those around the node: what others of its faces carry.
@@ -61,16 +61,20 @@ impl Loads {
         let on_quadratic: HashSet<usize> = faces.iter().flat_map(|face| face.nodes()).copied().collect();
         // With two passes a side has half of the penalty and so half of pressure and friction.
         let passes = if options.two_pass || options.self_contact { 2.0 } else { 1.0 };
+        // A node on a sharp edge of the slave is there once for each sheet.
+        let mut sheets: HashMap<usize, usize> = HashMap::new();
+        interaction.slaves().for_each(|slave| *sheets.entry(slave.node).or_default() += 1);
         for slave in interaction.slaves() {
             let SlaveState { node, area, .. } = slave;
             let covered = |of: fn(f64) -> Area| match slave.gap {
                 Some(_) if area > 0.0 => of(area),
                 _ => Area::Beside,
             };
-            let (normal, friction, area) = if is_over_faces && on_quadratic.contains(&node) {
-                // Forces of faces of second order are no pressures: corners may have none.
+            let is_by_sheet = on_quadratic.contains(&node) || sheets[&node] > 1;
+            let (normal, friction, area) = if is_over_faces && is_by_sheet {
+                // Forces of faces of second order are no pressures: corners may have none. Those on an edge are of all its sheets.
                 let friction = slave.friction.map(|force| passes * force);
-                (passes * slave.force, friction, covered(Area::CoveredByOrder))
+                (passes * slave.force, friction, covered(Area::CoveredAlone))
             } else {
                 let area = if is_over_faces { covered(Area::Covered) } else { Area::Tributary };
                 let friction = forces.friction[node];
@@ -96,7 +100,7 @@ impl Loads {
                         covered += own;
                         covering.push(interaction);
                     }
-                    Area::CoveredByOrder(own) => area += own,
+                    Area::CoveredAlone(own) => area += own,
                     Area::Tributary => tributary.push(interaction),
                     Area::Beside => beside.push(interaction),
                 }

@@ -127,3 +127,29 @@ fn pressures_of_one_pair_under_two_names_add_up() {
     let error = largest_error(&pressures_at(&deck, &["upper.z-"]), 100.0);
     assert!(error < 1e-7, "{error:e}");
 }
+
+/// Nodes on the edges of the slave have a pressure for each sheet: what is shown and summed is what presses.
+#[test]
+fn nodes_on_edges_of_the_slave_have_the_pressure_of_the_pressed_face() {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../examples/patch_test.toml");
+    let mut deck = Deck::parse(&std::fs::read_to_string(path).unwrap().replace(
+        "slave = \"upper.z-\"",
+        "slave = [\"upper.z-\", \"upper.x-\", \"upper.x+\", \"upper.y-\", \"upper.y+\"]",
+    ))
+    .unwrap();
+    deck.interfaces[0].integration = Integration::FACES;
+    deck.interfaces[0].surface.areas = false;
+    deck.newton.tolerance = 1e-12;
+    let error = largest_error(&pressures_at(&deck, &["upper.z-"]), 100.0);
+    assert!(error < 1e-7, "{error:e}");
+    let resultant = |snapshot: &diffuse_contact_solver::verification::Snapshot<'_>| {
+        let slaves: Vec<usize> = snapshot.slaves().map(|slave| slave.node).collect();
+        let repeated = slaves.windows(2).filter(|pair| pair[0] == pair[1]).count();
+        Ok((repeated, snapshot.contact_force(), snapshot.record.contacts[0].normal))
+    };
+    let (repeated, force, normal) =
+        trace(&deck, Path::new(""), 1, resultant).unwrap().measures.pop().unwrap();
+    // The rim below, four edges upright, and corners in three sheets.
+    assert!(repeated > 14, "{repeated}");
+    assert!((force[2] / 1e4 - 1.0).abs() < 1e-9 && (normal / 1e4 - 1.0).abs() < 1e-9, "{force:?} {normal}");
+}

@@ -31,8 +31,10 @@ pub(super) fn smallest_factor(nodes: &[Near], weight: Weight, carried: Carried, 
     // Images in a plane along the surface stand above one another: steps from zero would lead nowhere.
     let first =
         nodes.get(size.checked_sub(1)?..)?.iter().map(|node| node.distance).find(|x| x.is_normal())?;
-    let is_enough =
-        |factor: f64| is_well_conditioned(nodes, weight, carried, SMALLEST_SINGULAR_VALUE, factor);
+    let mut within = Vec::new();
+    let mut is_enough = |factor: f64| {
+        is_well_conditioned((nodes, factor), weight, carried, SMALLEST_SINGULAR_VALUE, &mut within)
+    };
     let (mut below, mut factor) = (first, first * STEP);
     while !is_enough(factor) {
         below = factor;
@@ -51,32 +53,35 @@ pub(super) fn smallest_factor(nodes: &[Near], weight: Weight, carried: Carried, 
 /// Whether no singular value of the weighted design matrix of the functions that are carried is below the smallest one wanted, with
 /// functions of coordinates (x, y) in which the weighted nodes spread as far in all directions about their mean, and columns
 /// scaled in groups: 1; x, y; x², √2 xy, y². In-plane axes turn, and cells are long in any direction, without a difference.
+///
+/// Of nodes nearest first those nearer than `factor` count. `within`: memory.
 pub(super) fn is_well_conditioned(
-    nodes: &[Near],
+    (nodes, factor): (&[Near], f64),
     weight: Weight,
     carried: Carried,
     smallest: f64,
-    factor: f64,
+    within: &mut Vec<([f64; 2], f64)>,
 ) -> bool {
+    let near = &nodes[..nodes.partition_point(|node| node.distance < factor)];
+    // Groups are scaled in the end: this is for their powers.
+    let unit = near.iter().flat_map(|node| node.offset).fold(0.0, |unit: f64, x| unit.max(x.abs()));
+    within.clear();
+    let seen = |node: &Near| (node.offset.map(|x| x / unit), weight.fitting(node.distance / factor));
+    within.extend(near.iter().map(seen));
     match carried {
         Carried::Nothing => true,
-        Carried::Linear => is_well::<3>(nodes, weight, smallest, factor),
-        Carried::Quadratic => is_well::<6>(nodes, weight, smallest, factor),
+        Carried::Linear => is_well::<3>(within, smallest),
+        Carried::Quadratic => is_well::<6>(within, smallest),
     }
 }
 
-/// The same of the first `N` of these functions.
-fn is_well<const N: usize>(nodes: &[Near], weight: Weight, smallest: f64, factor: f64) -> bool {
-    // Groups are scaled in the end: this is for their powers.
-    let unit = nodes.iter().map(|node| node.offset[0].hypot(node.offset[1])).fold(0.0, f64::max);
-    let within = || {
-        let near = nodes.iter().take_while(|node| node.distance < factor);
-        near.map(|node| (node.offset.map(|x| x / unit), weight.fitting(node.distance / factor)))
-    };
+/// The same of the first `N` of these functions, of offsets with weights.
+fn is_well<const N: usize>(within: &[([f64; 2], f64)], smallest: f64) -> bool {
     let mut sums = [0.0; 6];
-    for ([a, b], w) in within() {
-        let terms = [1.0, a, b, a * a, a * b, b * b];
-        sums.iter_mut().zip(terms).for_each(|(sum, term)| *sum += w * term);
+    for &([a, b], w) in within {
+        let (wa, wb) = (w * a, w * b);
+        let terms = [w, wa, wb, wa * a, wa * b, wb * b];
+        sums.iter_mut().zip(terms).for_each(|(sum, term)| *sum += term);
     }
     let [total, a, b, aa, ab, bb] = sums;
     let [aa, ab, bb] = [aa - a * a / total, ab - a * b / total, bb - b * b / total];
@@ -87,17 +92,32 @@ fn is_well<const N: usize>(nodes: &[Near], weight: Weight, smallest: f64, factor
     // The inverse root of these moments about the mean, up to a factor.
     let root = determinant.sqrt();
     let rows = [[bb + root, -ab], [-ab, aa + root]].map(|row| row.map(|entry| entry / (aa + bb)));
-    let mut gram = [[0.0; N]; N];
-    for (offset, w) in within() {
+    // Products of two functions are moments, most of them several times.
+    let (mut low, mut high) = ([0.0; 6], [0.0; 9]);
+    for &(offset, w) in within {
         let [x, y] = rows.map(|row| row[0] * offset[0] + row[1] * offset[1]);
-        let p = [1.0, x, y, x * x, SQRT_2 * (x * y), y * y];
-        for i in 0..N {
-            let weighted = w * p[i];
-            for j in 0..=i {
-                gram[i][j] += weighted * p[j];
-            }
+        let (wx, wy) = (w * x, w * y);
+        let [xx, xy, yy] = [wx * x, wx * y, wy * y];
+        low.iter_mut().zip([w, wx, wy, xx, xy, yy]).for_each(|(sum, term)| *sum += term);
+        if N > 3 {
+            let [xxx, xxy, xyy, yyy] = [xx * x, xx * y, xy * y, yy * y];
+            let terms = [xxx, xxy, xyy, yyy, xxx * x, xxx * y, xxy * y, xyy * y, yyy * y];
+            high.iter_mut().zip(terms).for_each(|(sum, term)| *sum += term);
         }
     }
+    let [w, x, y, xx, xy, yy] = low;
+    let [xxx, xxy, xyy, yyy, x4, x3y, x2y2, xy3, y4] = high;
+    // The lower triangle, row by row.
+    let r = SQRT_2;
+    let rows: [[f64; 6]; 6] = [
+        [w, 0.0, 0.0, 0.0, 0.0, 0.0],
+        [x, xx, 0.0, 0.0, 0.0, 0.0],
+        [y, xy, yy, 0.0, 0.0, 0.0],
+        [xx, xxx, xxy, x4, 0.0, 0.0],
+        [r * xy, r * xxy, r * xyy, r * x3y, 2.0 * x2y2, 0.0],
+        [yy, xyy, yyy, x2y2, r * xy3, y4],
+    ];
+    let gram: [[f64; N]; N] = std::array::from_fn(|i| std::array::from_fn(|j| rows[i][j]));
     is_far_from_singular(gram, smallest)
 }
 

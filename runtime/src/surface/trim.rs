@@ -145,7 +145,9 @@ pub(crate) fn trimmed(
 
 /// The smallest ratio for which the fit at a place is well conditioned, as it is with all larger ones; 1 if it is not as it is.
 fn smallest_ratio(scratch: &Scratch, weight: Weight, carried: Carried) -> f64 {
-    let is_enough = |ratio: f64| is_well_conditioned(&scratch.nodes, weight, carried, KEPT, ratio);
+    let mut within = Vec::new();
+    let mut is_enough =
+        |ratio: f64| is_well_conditioned((&scratch.nodes, ratio), weight, carried, KEPT, &mut within);
     if carried == Carried::Nothing || !is_enough(1.0) {
         return 1.0;
     }

@@ -1272,7 +1272,7 @@ enum dc_status dc_window_joined(struct dc_window *const *windows,
 enum dc_status dc_window_first_positions(struct dc_window *window, double *positions, size_t node_count);
 
 // How many numbers of a history each slave has, so that histories go with slaves to another rank: one after another they are a history
-// again. One of dc_faces_history has two parts for each node. `part_count` gets the number of parts; `lengths` is NULL to ask for it.
+// again. One of dc_faces_history has two parts for each slave. `part_count` gets the number of parts; `lengths` is NULL to ask for it.
 //
 // # Safety
 // `history` has `count` entries; `lengths` is NULL or has `capacity`; `part_count` may be written.
@@ -1327,11 +1327,14 @@ enum dc_status dc_faces_destroy(struct dc_faces *faces);
 // Each is NULL or may be written.
 enum dc_status dc_faces_counts(struct dc_faces *faces, size_t *node_count, size_t *slave_count);
 
-// The slave nodes, ascending: the order of results and multipliers.
+// The slave nodes, ascending: the order of results and multipliers. A node on an edge of the slave sharper than the feature angle is
+// there once for each sheet that meets there.
 //
 // # Safety
 // `slaves` has `slave_count` entries.
-enum dc_status dc_faces_slaves(struct dc_faces *faces, int32_t *slaves, size_t slave_count);
+enum dc_status dc_faces_slaves(struct dc_faces *faces,
+                               int32_t *slaves,
+                               size_t slave_count);
 
 // As dc_set_symmetry, for both surfaces, in the first configuration. The history of friction ends, unless the planes are the same: call
 // dc_faces_set_history after it. There is no contact until the next dc_faces_refresh.
@@ -1584,7 +1587,7 @@ enum dc_status dc_faces_cliques(struct dc_faces *faces,
 //
 // Gaps, pressures and areas after a dc_faces_refresh are those of the whole surfaces, bit for bit, or the node has the outcome
 // DC_BEYOND_WINDOW and no pressure. Rows of forces and tangent are those of the whole where all nodes of the faces at their node are
-// known. The history of friction names nodes by their numbers in the whole surfaces, as dc_window_names: two points of each node.
+// known. The history of friction names nodes by their numbers in the whole surfaces, as dc_window_names: two points of each slave.
 //
 // DC_BAD_OPTION without a `distance_limit`, and for windows of other options or planes of symmetry. dc_faces_set_symmetry and
 // dc_faces_add_quadratic are DC_BAD_OPTION, too, with the message "in-window"; dc_faces_add_quadratic_by_number is for windows.

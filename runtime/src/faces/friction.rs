@@ -203,14 +203,23 @@ impl FaceInterface {
                 }
                 _ => None,
             };
-            if let Some(Traction { sliding, slip, .. }) = &traction {
+            let mut limit = law.friction.as_ref().map_or(0.0, |friction| friction.limit(node.pressure));
+            if let (Some(Traction { value, sliding, slip, .. }), Some(old)) = (&traction, closed) {
                 report.stuck += usize::from(sliding.state == FrictionState::Stick);
                 report.sliding += usize::from(sliding.state == FrictionState::Slip);
-                report.dissipated += node.area * sliding.dissipated(slip.norm());
+                report.dissipated += node.area * sliding.dissipated(slip.norm(), old.anchor.limit);
+                if sliding.state == FrictionState::Slip {
+                    limit = Vector3::from(*value).norm();
+                }
+            } else if let Some(old) = old.filter(|_| is_open) {
+                // What it slid on before it opened.
+                let slip = self.since_stuck(node, normals[k], old);
+                report.dissipated += node.area * (0.5 * old.anchor.limit * slip.norm());
             }
             let track = match (closed, &traction) {
                 (Some(old), Some(Traction { sliding, .. })) if sliding.kept == 1.0 => {
-                    old.clone().with_origin(old.anchor.origin.clone().filter(|_| is_augmented))
+                    let origin = old.anchor.origin.clone().filter(|_| is_augmented);
+                    old.clone().with_origin(origin).with_limit(limit)
                 }
                 (old, traction) => {
                     let (kept, slip) =
@@ -227,7 +236,7 @@ impl FaceInterface {
                     let stuck = || drawn.clone().with_slip(Vector3::zeros(), normals[k], &self.positions);
                     let origin = (slides && is_augmented).then(|| stuck().anchor.point);
                     let drawn = drawn.with_slip(slip * kept, normals[k], &self.positions);
-                    drawn.with_opening(opening).with_origin(origin)
+                    drawn.with_opening(opening).with_limit(limit).with_origin(origin)
                 }
             };
             tracks.push(Some(track));
@@ -491,12 +500,9 @@ impl FaceInterface {
                 let place = to_numbers(&points[..2 * index], f64::from).len();
                 return Err(InterfaceError::InvalidHistory { place });
             }
-            for (opening, is_sound) in
-                [(own.opening, own.opening == 0.0), (anchor.opening, anchor.opening >= 0.0)]
-            {
-                if !(is_sound && opening.is_finite()) {
-                    return Err(InterfaceError::InvalidOpening { index, value: opening });
-                }
+            anchor.check(index)?;
+            if let Some(&value) = [own.opening, own.limit].iter().find(|&&value| value != 0.0) {
+                return Err(InterfaceError::InvalidOpening { index, value });
             }
             let origin = (anchor.stuck_at(), &of_facets);
             for (point, known) in [(&own.point, &of_faces), (&anchor.point, &of_facets), origin] {

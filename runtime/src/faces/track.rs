@@ -47,8 +47,7 @@ impl Track {
     /// (1 − t) of this and t of another one.
     pub fn towards(&self, other: &Self, t: f64) -> Self {
         let point = self.anchor.point.towards(&other.anchor.point, t);
-        let opening = self.anchor.opening;
-        Self { own: self.own.towards(&other.own, t), anchor: Anchor { point, opening, origin: None } }
+        Self { own: self.own.towards(&other.own, t), anchor: Anchor { point, origin: None, ..self.anchor } }
     }
 
     pub fn with_origin(mut self, origin: Option<AffinePoint>) -> Self {
@@ -66,6 +65,11 @@ impl Track {
 
     pub fn with_opening(mut self, opening: f64) -> Self {
         self.anchor.opening = opening;
+        self
+    }
+
+    pub fn with_limit(mut self, limit: f64) -> Self {
+        self.anchor.limit = limit;
         self
     }
 

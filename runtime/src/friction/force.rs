@@ -91,10 +91,11 @@ impl Sliding {
     }
 
     /// As [`FrictionForce::dissipated`], with areas per area.
-    pub fn dissipated(&self, slip: f64) -> f64 {
+    pub fn dissipated(&self, slip: f64, before: f64) -> f64 {
         match self.state {
-            FrictionState::Slip => self.factor * slip * (self.share - self.kept) * slip,
-            FrictionState::Open | FrictionState::Stick => 0.0,
+            FrictionState::Slip => 0.5 * (before + self.factor * slip) * ((1.0 - self.kept) * slip),
+            FrictionState::Open => 0.5 * before * slip,
+            FrictionState::Stick => 0.0,
         }
     }
 }
@@ -109,10 +110,11 @@ impl FrictionForce {
         kept: 1.0,
     };
 
-    /// Work of the traction over what slid since the last step was accepted, for a slip s, energy: what the slip since the place of
-    /// touch has lost to the anchor.
-    pub fn dissipated(&self, slip: f64) -> f64 {
-        self.sliding().dissipated(slip)
+    /// Work of the traction over what slid since the last step was accepted, for a slip s, energy: by the trapezoidal rule, with the
+    /// largest traction of `before`, that of the step's beginning. Of a contact that was open, or is open now, that is 0 at this end. So
+    /// the work of contacts that come and go adds up, whatever the steps.
+    pub fn dissipated(&self, slip: f64, before: f64) -> f64 {
+        self.sliding().dissipated(slip, before)
     }
 
     pub(crate) const fn sliding(&self) -> Sliding {

@@ -32,7 +32,8 @@ pub struct FrictionReport {
     pub unanchored: usize,
     /// Slaves that were closed when the step before was accepted, and have no contact element now: their history ends.
     pub dropped: usize,
-    /// Work of the tractions over what slid in the step, energy: Σ μ p Δs.
+    /// Work of the tractions over what slid in the step, energy: Σ μ p Δs by the trapezoidal rule, with the p of both ends. What closed and
+    /// opened within the step, or left the master in it, is not counted.
     pub dissipated: f64,
     /// Σ μ p of the contacts over nodes that slide, with a shear limit Σ min(μ p, τ A), force.
     pub limit: f64,
@@ -339,7 +340,12 @@ impl Evaluator<'_> {
         }
         let is_open = !(pressed.force > 0.0);
         let opening = if is_open { law.opening(k, gap)? } else { 0.0 };
-        Ok(f(&Sticking { k, old, is_open, opening, force, slip: &slip, terms }))
+        let limit = match (force, &law.friction) {
+            (Some(force), _) if force.state == FrictionState::Slip => force.factor * slip.length(),
+            (_, Some(friction)) => friction.over(area).limit(pressed.force),
+            (_, None) => 0.0,
+        };
+        Ok(f(&Sticking { k, old, is_open, opening, limit, force, slip: &slip, terms }))
     }
 
     /// The slip of a diffuse element, and the carriers of its foot.
@@ -394,7 +400,8 @@ impl Evaluator<'_> {
         let origin = old.stuck_at().towards(&foot, 1.0 - sliding.share);
         let parts = [(&origin, 1.0), (&old.point, sliding.kept), (&foot, -sliding.kept)];
         let point = AffinePoint::combined(&parts);
-        Some(Round { anchor: Anchor { point, opening: 0.0, origin: Some(origin) }, error })
+        let anchor = Anchor { point, opening: 0.0, limit: old.limit, origin: Some(origin) };
+        Some(Round { anchor, error })
     }
 }
 
@@ -405,6 +412,8 @@ struct Sticking<'a> {
     is_open: bool,
     /// How far an open contact is from carrying force, length; else 0.
     opening: f64,
+    /// The largest friction that it can bear, force; 0 if it is open.
+    limit: f64,
     force: Option<FrictionForce>,
     slip: &'a Slip,
     /// The foot's carriers and weights.
@@ -426,7 +435,7 @@ struct Round {
 }
 
 fn accept_one(slave: &Sticking<'_>, is_augmented: bool) -> Option<Accepted> {
-    let &Sticking { old, is_open, opening, force, slip, .. } = slave;
+    let &Sticking { old, is_open, opening, limit, force, slip, .. } = slave;
     let kept = force.map_or(0.0, |force| force.kept);
     let (point, origin) = match old {
         Some(old) if kept == 1.0 && !is_open => {
@@ -441,10 +450,10 @@ fn accept_one(slave: &Sticking<'_>, is_augmented: bool) -> Option<Accepted> {
         }
     };
     Some(Accepted {
-        anchor: Anchor { point, opening, origin },
+        anchor: Anchor { point, opening, limit, origin },
         state: force.map(|force| force.state),
         is_open,
-        dissipated: force.map_or(0.0, |force| force.dissipated(slip.length())),
+        dissipated: force.zip(old).map_or(0.0, |(force, old)| force.dissipated(slip.length(), old.limit)),
         sliding: force.filter(|force| force.state == FrictionState::Slip).map(|force| {
             let of_slave = Vector3::from([slip.gradient[0], slip.gradient[1], slip.gradient[2]]);
             [slip.length(), of_slave.norm()].map(|length| force.factor * length)

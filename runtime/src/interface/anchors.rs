@@ -19,6 +19,9 @@ pub struct Anchor {
     /// How far the contact was from carrying force if it was open, length: the gap, but for [normal laws](crate::assembly::NormalLaw::onset)
     /// whose pressure begins elsewhere; else 0. The slip of a contact that closes begins at the place of touch.
     pub opening: f64,
+    /// The largest friction that the contact could bear then if it was closed, min(μ p, τ A), force; over faces force per area. 0 if it was
+    /// open. The work of friction in the next step begins with it.
+    pub limit: f64,
     /// With augmentation: where the slave stuck. The way from here to `point` is the tangential multiplier over ε_T. `None`: at `point`.
     pub origin: Option<AffinePoint>,
 }
@@ -26,7 +29,18 @@ pub struct Anchor {
 impl Anchor {
     /// Of a slave that stuck at this point.
     pub const fn new(point: AffinePoint) -> Self {
-        Self { point, opening: 0.0, origin: None }
+        Self { point, opening: 0.0, limit: 0.0, origin: None }
+    }
+
+    /// Whether opening and limit are finite and not negative, and not both more than 0.
+    pub(crate) fn check(&self, index: usize) -> Result<(), InterfaceError> {
+        let Self { opening, limit, .. } = *self;
+        for (value, other) in [(opening, limit), (limit, opening)] {
+            if !(value >= 0.0 && value.is_finite() && (value == 0.0 || other == 0.0)) {
+                return Err(InterfaceError::InvalidOpening { index, value });
+            }
+        }
+        Ok(())
     }
 
     /// Where the slave stuck.
@@ -40,13 +54,13 @@ impl Anchor {
     }
 }
 
-/// Anchors as plain numbers, slave after slave: the number of carriers and the opening, then node, number of the image (−1: none)
+/// Anchors as plain numbers, slave after slave: the number of carriers, the opening less the limit, of which one is 0, then node, number of the image (−1: none)
 /// and weight of each carrier; −1 for a slave without an anchor. Before an anchor with an origin there are −2 and the origin: the number
 /// of its carriers, and the carriers. `number_of`: what a node is called.
 pub fn to_numbers(anchors: &[Option<Anchor>], number_of: impl Fn(u32) -> f64) -> Vec<f64> {
     let mut numbers = Vec::new();
     for anchor in anchors {
-        let Some(Anchor { point, opening, origin }) = anchor else {
+        let Some(Anchor { point, opening, limit, origin }) = anchor else {
             numbers.push(-1.0);
             continue;
         };
@@ -54,7 +68,7 @@ pub fn to_numbers(anchors: &[Option<Anchor>], number_of: impl Fn(u32) -> f64) ->
             numbers.extend([-2.0, origin.terms().len() as f64]);
             push_terms(origin, &number_of, &mut numbers);
         }
-        numbers.extend([point.terms().len() as f64, *opening]);
+        numbers.extend([point.terms().len() as f64, opening - limit]);
         push_terms(point, &number_of, &mut numbers);
     }
     numbers
@@ -111,7 +125,8 @@ pub fn from_numbers(
         let count = index(place)? as usize;
         let opening = numbers.get(place + 1).copied().ok_or_else(|| none(place + 1))?;
         let point = point(anchors.len(), place + 2, count)?;
-        anchors.push(Some(Anchor { point, opening, origin }));
+        let (opening, limit) = if opening < 0.0 { (0.0, -opening) } else { (opening, 0.0) };
+        anchors.push(Some(Anchor { point, opening, limit, origin }));
         place += 2 + 3 * count;
     }
     Ok(anchors)
@@ -158,9 +173,7 @@ pub fn check_anchors(
     }
     for (index, anchor) in anchors.iter().enumerate() {
         let Some(anchor) = anchor else { continue };
-        if !(anchor.opening >= 0.0 && anchor.opening.is_finite()) {
-            return Err(InterfaceError::InvalidOpening { index, value: anchor.opening });
-        }
+        anchor.check(index)?;
         for Carrier { node, image } in anchor.carriers() {
             let is_there = image.is_none_or(|number| number < symmetry.count());
             if !is_there || surface.nodes().binary_search(&node).is_err() {

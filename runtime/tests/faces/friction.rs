@@ -3,6 +3,7 @@
 use super::*;
 use diffuse_contact::Coulomb;
 use diffuse_contact::friction::FrictionState;
+use diffuse_contact::interface::split_history;
 use diffuse_contact::surface::SymmetryPlane;
 
 /// Pressures of the bumps are about 5 at this penalty, slips 0.02.
@@ -293,13 +294,27 @@ fn an_accepted_step_leaves_the_tractions_of_its_end() {
     for (element, (pair, faces)) in of_first.chain(of_second_order) {
         let mut own = interface(&pair, element, &faces);
         let expected = own.evaluate(&law(), Mode::Value).unwrap().nodes().to_vec();
+        // How far each node was open at the end of the step before, and its largest traction.
+        let before = |history: &[f64]| -> Vec<[f64; 2]> {
+            let parts = split_history(history).unwrap();
+            let anchors = parts.iter().skip(1).step_by(2).map(|anchor| anchor.get(1).copied().unwrap_or(0.0));
+            anchors.map(|x| [x.max(0.0), (-x).max(0.0)]).collect()
+        };
         let slid: f64 = expected
             .iter()
-            .filter(|node| node.friction_state == FrictionState::Slip)
-            .map(|node| 0.3 * node.force() * (node.slip - 0.3 * node.pressure / STIFFNESS))
+            .zip(before(&own.history()))
+            .filter(|(node, _)| node.friction_state == FrictionState::Slip)
+            .map(|(node, [opening, before])| {
+                let now = 0.3 * node.pressure;
+                let way = node.slip * (1.0 + 50.0 * opening / node.pressure);
+                0.5 * (before + now) * node.area * (way - now / STIFFNESS)
+            })
             .sum();
         let report = own.accept(&law()).unwrap();
         assert!(slid > 0.1 && (report.dissipated - slid).abs() < 1e-13, "{slid} {}", report.dissipated);
+        for (node, [_, limit]) in expected.iter().zip(before(&own.history())) {
+            assert!((limit - 0.3 * node.pressure).abs() <= 1e-12 * limit, "{node:?} {limit}");
+        }
         assert!(report.sliding > 4 && report.stuck > 0);
 
         own.refresh(&moved(&pair, 1.0)).unwrap();

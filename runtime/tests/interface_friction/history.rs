@@ -169,9 +169,10 @@ fn what_is_no_history_is_refused() {
         let point = AffinePoint::new([(carrier, 1.0)]).unwrap();
         Some(vec![Some(Anchor::new(point)), None, None, None, None])
     };
-    let opened = |opening: f64| {
+    let with = |opening: f64, limit: f64| {
         let mut anchors = kept.clone();
-        anchors[0].as_mut().unwrap().opening = opening;
+        let first = anchors[0].as_mut().unwrap();
+        (first.opening, first.limit) = (opening, limit);
         Some(anchors)
     };
     let slave = pressed.slaves[0] as u32;
@@ -179,8 +180,10 @@ fn what_is_no_history_is_refused() {
         (Some(vec![None; 4]), "anchor-count"),
         (anchor(slave.into()), "foreign-carrier"),
         (anchor(Carrier { node: 0, image: Some(0) }), "foreign-carrier"),
-        (opened(f64::NAN), "invalid-opening"),
-        (opened(-1e-3), "invalid-opening"),
+        (with(f64::NAN, 0.0), "invalid-opening"),
+        (with(-1e-3, 0.0), "invalid-opening"),
+        (with(0.0, -1e-3), "invalid-opening"),
+        (with(1e-3, 1e-3), "invalid-opening"),
     ] {
         assert_eq!(pressed.interface.set_anchors(anchors).unwrap_err().code(), code);
         assert_eq!(pressed.interface.anchors().unwrap(), kept);
@@ -195,7 +198,7 @@ fn what_is_no_history_is_refused() {
         (numbers[..numbers.len() - 1].to_vec(), "invalid-history"),
         (changed(0, 0.5), "invalid-history"),
         (changed(0, f64::NAN), "invalid-history"),
-        (changed(1, -1e-3), "invalid-opening"),
+        (changed(1, f64::NEG_INFINITY), "invalid-opening"),
         (changed(2, 1e12), "invalid-history"),
         (changed(4, 7.0), "invalid-history"),
         (vec![-1.0; 4], "anchor-count"),

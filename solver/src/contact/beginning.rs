@@ -3,6 +3,7 @@
 use std::collections::HashSet;
 
 use diffuse_contact::Point;
+use diffuse_contact::faces::QuadraticFace;
 use diffuse_contact::interface::Outcome;
 use diffuse_contact_mesh::names::shown;
 use serde::{Deserialize, Serialize};
@@ -56,6 +57,12 @@ pub struct Beginning {
     /// Faces of a slave with 8 nodes, over nodes: their corners would have to pull.
     #[serde(default)]
     pub serendipity: usize,
+    /// Faces of a slave with 6 nodes, over nodes: their corners carry no part of a uniform pressure.
+    #[serde(default)]
+    pub quadratic_triangles: usize,
+    /// Faces of a slave with 9 nodes, over nodes: their corners carry 4/9 of a uniform pressure, their middles 16/9.
+    #[serde(default)]
+    pub lagrange: usize,
     /// The line of the deck that names the planes of symmetry that the boundary conditions speak of, if the interface does not name all of
     /// them.
     #[serde(default)]
@@ -94,18 +101,16 @@ fn stiffness_ratio(interaction: &Interaction, model: &Model) -> f64 {
     if size > 0.0 { options.penalty / stiffness } else { 0.0 }
 }
 
-/// Faces with 8 nodes, all of them slaves that something moves.
-fn serendipity(interaction: &Interaction, model: &Model) -> usize {
+/// Faces with 8 nodes, with 6 and with 9, all of them slaves that something moves, over nodes.
+fn unsuited_faces(interaction: &Interaction, model: &Model) -> [usize; 3] {
     if interaction.options().integration != Integration::Nodes {
-        return 0;
+        return [0; 3];
     }
     let slaves: HashSet<usize> =
         interaction.slaves().filter(|slave| !slave.is_held).map(|slave| slave.node).collect();
     let faces = model.quadratic_faces();
-    faces
-        .iter()
-        .filter(|face| face.nodes().len() == 8 && face.nodes().iter().all(|node| slaves.contains(node)))
-        .count()
+    let is_slave = |face: &&QuadraticFace| face.nodes().iter().all(|node| slaves.contains(node));
+    [8, 6, 9].map(|count| faces.iter().filter(|face| face.nodes().len() == count).filter(is_slave).count())
 }
 
 /// The name of the first interaction before this one that presses the same two surfaces together.
@@ -131,6 +136,7 @@ impl Beginning {
         };
         let ways = interaction.slaves().filter_map(|slave| way(slave.node));
         let ways: Vec<f64> = ways.filter(|&way| way > 0.0).collect();
+        let [serendipity, quadratic_triangles, lagrange] = unsuited_faces(interaction, model);
         Self {
             penalty: options.penalty,
             stiffness_ratio: stiffness_ratio(interaction, model),
@@ -145,7 +151,9 @@ impl Beginning {
             repeats: repeated(interaction, problem),
             fallbacks: interaction.fallbacks(),
             straight: interaction.straight(),
-            serendipity: serendipity(interaction, model),
+            serendipity,
+            quadratic_triangles,
+            lagrange,
             symmetry: symmetry_line(interaction, problem, &model.deformable()),
             idle_planes: idle_planes(interaction, problem.start_positions()),
             free_planes: free_planes(interaction, problem, &model.deformable()),
@@ -212,6 +220,16 @@ impl Beginning {
             self.serendipity,
             "faces of the slave have 8 nodes: under a pressure their corners would pull, so that forces over nodes are too low; \
              integration = \"faces\" has them right",
+        );
+        warn(
+            self.quadratic_triangles,
+            "faces of the slave have 6 nodes: their corners carry no part of a uniform pressure, so that pressures of single nodes are of \
+             no use over nodes, while forces are right; integration = \"faces\" has both right",
+        );
+        warn(
+            self.lagrange,
+            "faces of the slave have 9 nodes: their corners carry 4/9 of a uniform pressure and their middles 16/9, so that pressures of \
+             single nodes are of no use over nodes, while forces are right; integration = \"faces\" has both right",
         );
         if self.stiffness_ratio > STIFF {
             warnings.push(format!(

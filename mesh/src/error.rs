@@ -29,16 +29,26 @@ pub enum MeshError {
     Empty { path: PathBuf, what: &'static str },
     /// All of its elements are of types that are not supported. `kinds` are these types, sorted.
     #[error(
-        "{path}: none of the mesh's elements is of a type that is supported: they are of type {}; {SUPPORTED}",
-        names::list(kinds.iter().map(shown))
+        "{path}: none of the mesh's elements is of a type that is supported: they are of type {}; {SUPPORTED}{}",
+        names::list(kinds.iter().map(shown)),
+        kinds.iter().map(|kind| advice_on(kind)).find(|advice| !advice.is_empty()).unwrap_or_default()
     )]
     NothingSupported { path: PathBuf, kinds: Vec<String> },
     /// An instance was asked of a file of a format that has none.
     #[error("{path}: a Gmsh file has no instances, and so none that is named {name:?}", name = shown(name))]
     NoInstances { path: PathBuf, name: String },
     /// The set holds an element that was not read, because its type is not supported. `kind` is the type as the file names it.
-    #[error("the set {name:?} holds element {tag} of type {kind}, which is not supported; {SUPPORTED}", name = shown(name))]
-    UnreadElement { name: String, tag: u64, kind: String },
+    #[error(
+        "the set {name:?} holds element {tag} of type {kind} (line {line} of the mesh file), which is not supported; {SUPPORTED}{}",
+        advice_on(kind), name = shown(name), kind = shown(kind)
+    )]
+    UnreadElement { name: String, tag: u64, kind: String, line: usize },
+    /// The element set has a member that is a number and no label.
+    #[error(
+        "the set {name:?} has the member {label} (line {line} of the mesh file), but labels of elements are positive whole numbers",
+        name = shown(name), label = shown(label)
+    )]
+    WrongLabel { name: String, label: String, line: usize },
     /// The surface has edges, ends or all free faces of elements, which are not read. `face` is the first such identifier; it is empty for
     /// all free faces.
     #[error(
@@ -47,7 +57,8 @@ pub enum MeshError {
         face = shown(face)
     )]
     UnsupportedFace { name: String, face: String },
-    /// No set has this name. `nearest` is the existing name closest in spelling, if one is close; `available` are all names, sorted.
+    /// No set has this name. `nearest` is the existing name closest in spelling, if one is close; `available` are all names, the closest
+    /// first and those that Gmsh makes up last.
     #[error("no set is named {name:?}{}; {}", did_you_mean(nearest.as_deref()), list_of(available), name = shown(name))]
     UnknownSet { name: String, nearest: Option<String>, available: Vec<String> },
     /// The set exists, but none of its members is a triangle or a quadrilateral.
@@ -59,7 +70,21 @@ pub enum MeshError {
 }
 
 const SUPPORTED: &str = "supported are points, lines, triangles, quadrilaterals, tetrahedra, wedges and hexahedra of first and \
-                         second order, except 18-node wedges";
+                         second order, except 18-node wedges and, in Abaqus files, 9-node quadrilaterals and 27-node hexahedra";
+
+/// What helps with an element type that is not supported, as the end of a sentence; empty if nothing is known to. Types are those of
+/// Abaqus or, of Gmsh, as the reader's messages have them.
+pub fn advice_on(kind: &str) -> &'static str {
+    if kind.starts_with("C3D27") {
+        "; Gmsh's option Mesh.SecondOrderIncomplete = 1 writes C3D20 instead, and .msh 4.1 files may have 27-node hexahedra"
+    } else if ["M3D9", "S9", "SFM3D9"].iter().any(|begin| kind.starts_with(begin)) {
+        "; Gmsh's option Mesh.SecondOrderIncomplete = 1 writes 8-node quadrilaterals instead, and .msh 4.1 files may have those with 9"
+    } else if kind.starts_with("C3D18") || kind.contains("18-node") {
+        "; Gmsh's option Mesh.SecondOrderIncomplete = 1 writes 15-node wedges instead"
+    } else {
+        ""
+    }
+}
 
 /// A place in a file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -97,7 +122,7 @@ pub enum Problem {
     )]
     UnsupportedVersion { version: String },
     /// An element type that is not read here. `name` is that of the file or of the format's manual.
-    #[error("element type {name} is not supported; {SUPPORTED}")]
+    #[error("element type {name} is not supported; {SUPPORTED}{}", advice_on(name))]
     UnsupportedElement { name: String },
     /// A feature of the format that would change the mesh and is not supported.
     #[error("{feature} is not supported; {advice}")]
@@ -135,6 +160,9 @@ pub enum Problem {
     /// A set or surface refers to something that does not exist, such as `node 7`, `element 7` or `element set "name"`.
     #[error("{set:?} refers to {member}, which does not exist", set = shown(set))]
     MissingMember { set: String, member: String },
+    /// A set or surface has a member that is a number and no label.
+    #[error("{set:?} has the member {label}, but labels of {what}s are positive whole numbers", set = shown(set), label = shown(label))]
+    WrongLabel { set: String, label: String, what: &'static str },
     /// A surface names a face that the element does not have. `advice` names the faces that such an element has.
     #[error("face {face:?} does not belong to element {element}, a {kind}; {advice}", face = shown(face))]
     WrongFace { face: String, element: u64, kind: &'static str, advice: &'static str },

@@ -44,7 +44,7 @@ mod read;
 pub mod vtu;
 
 pub use element::{Cell, Element, ElementKind, Facet};
-pub use error::{MeshError, Place, Problem};
+pub use error::{MeshError, Place, Problem, advice_on};
 pub use mesh::{Mesh, UnreadConstraint, UnreadElement};
 pub use vtu::{VtuError, VtuFile};
 

@@ -52,15 +52,26 @@ pub struct UnreadElement {
     pub tag: u64,
     /// Its type as the file names it, in upper case.
     pub kind: String,
+    /// Its line in the file, from 1.
+    pub line: usize,
 }
 
-/// Elements of types that are not supported, and the first of them in each set and surface that holds any. Of surfaces the first
+/// Why a set cannot be used.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) enum Lost {
+    /// It holds this one of the elements that are not read.
+    Element(usize),
+    /// A member in this line is no label.
+    Label { label: String, line: usize },
+}
+
+/// Elements of types that are not supported, and why sets and surfaces cannot be used that hold any. Of surfaces the first
 /// face identifier that is not supported, too.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct Unread {
     pub elements: Vec<UnreadElement>,
-    pub in_sets: BTreeMap<String, usize>,
-    pub in_surfaces: BTreeMap<String, usize>,
+    pub in_sets: BTreeMap<String, Lost>,
+    pub in_surfaces: BTreeMap<String, Lost>,
     pub faces: BTreeMap<String, String>,
 }
 
@@ -85,8 +96,18 @@ impl Mesh {
         &self.unread.elements
     }
 
-    /// Trusses, beams, shells and membranes with a section in an Abaqus file, by index and type: they are lines and facets of the mesh,
-    /// without the stiffness they have there.
+    /// The element sets and surfaces that are refused where they are asked for, with the error. A node set of the same name can be used.
+    pub fn unread_sets(&self) -> BTreeMap<&str, MeshError> {
+        let sets = self.unread.in_sets.iter().chain(&self.unread.in_surfaces);
+        let sets = sets.map(|(name, lost)| (name.as_str(), self.refusal(name, lost)));
+        let faces = self.unread.faces.iter().map(|(name, face)| {
+            (name.as_str(), MeshError::UnsupportedFace { name: name.clone(), face: face.clone() })
+        });
+        sets.chain(faces).collect()
+    }
+
+    /// Trusses, beams, shells, membranes and elements in a plane with a section in an Abaqus file, by index and type: they are lines and
+    /// facets of the mesh, without the stiffness they have there.
     pub fn stiff_lines_and_facets(&self) -> &[(usize, String)] {
         &self.stiff
     }
@@ -195,13 +216,22 @@ impl Mesh {
 
     fn refuse_unread(
         &self,
-        sets: &BTreeMap<String, usize>,
+        sets: &BTreeMap<String, Lost>,
         spelling: &str,
         name: &str,
     ) -> Result<(), MeshError> {
-        let Some(&index) = sets.get(spelling) else { return Ok(()) };
-        let UnreadElement { tag, kind } = self.unread.elements[index].clone();
-        Err(MeshError::UnreadElement { name: name.into(), tag, kind })
+        sets.get(spelling).map_or(Ok(()), |lost| Err(self.refusal(name, lost)))
+    }
+
+    fn refusal(&self, name: &str, lost: &Lost) -> MeshError {
+        let name = name.to_string();
+        match lost {
+            Lost::Element(index) => {
+                let UnreadElement { tag, kind, line } = self.unread.elements[*index].clone();
+                MeshError::UnreadElement { name, tag, kind, line }
+            }
+            Lost::Label { label, line } => MeshError::WrongLabel { name, label: label.clone(), line: *line },
+        }
     }
 
     /// What there is by this name, in words.
@@ -229,7 +259,7 @@ impl Mesh {
         MeshError::UnknownSet {
             name: name.into(),
             nearest: names::nearest(name, available.iter().copied()).map(String::from),
-            available: available.into_iter().map(String::from).collect(),
+            available: names::closest_first(name, available).into_iter().map(String::from).collect(),
         }
     }
 }

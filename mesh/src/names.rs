@@ -95,6 +95,30 @@ pub fn nearest<'a>(name: &str, available: impl IntoIterator<Item = &'a str>) -> 
         .map(|(_, candidate)| candidate)
 }
 
+/// The names in the order in which a list is of use to who wrote `name`: the closest spellings first, and names that Gmsh makes up last.
+pub fn closest_first<'a>(name: &str, available: impl IntoIterator<Item = &'a str>) -> Vec<&'a str> {
+    let is_long = |text: &str| text.chars().nth(LONGEST_SLIP).is_some();
+    let (wanted, wanted_is_long) = (name.to_lowercase(), is_long(name));
+    let wanted_is_made_up = is_made_up(name);
+    let key = |other: &str| {
+        let distance =
+            (!wanted_is_long && !is_long(other)).then(|| edit_distance(&wanted, &other.to_lowercase()));
+        (is_made_up(other) && !wanted_is_made_up, distance.unwrap_or(usize::MAX))
+    };
+    let mut sorted: Vec<&str> = available.into_iter().collect();
+    sorted.sort_by_cached_key(|&other| (key(other), other));
+    sorted
+}
+
+/// Whether Gmsh or meshio makes up such a name where there is no other: `Surface5`, `PhysicalVolume2`, `gmsh:physical`.
+fn is_made_up(name: &str) -> bool {
+    let name = name.to_lowercase();
+    let kind = name.trim_end_matches(|letter: char| letter.is_ascii_digit());
+    let of_entity = kind.strip_prefix("physical").unwrap_or(kind).trim_end();
+    let is_entity = ["point", "line", "curve", "surface", "volume"].contains(&of_entity);
+    (is_entity && kind.len() < name.len()) || name.starts_with("gmsh:")
+}
+
 /// Insertions, deletions, replacements and swaps of neighbours that turn one text into the other (optimal
 /// string alignment).
 fn edit_distance(from: &str, to: &str) -> usize {
@@ -142,6 +166,29 @@ mod tests {
         assert_eq!(nearest("salve", names), Some("slave"));
         assert_eq!(nearest("plate", names), None);
         assert_eq!(nearest("master", []), None);
+    }
+
+    #[test]
+    fn lists_begin_with_the_closest_and_end_with_what_gmsh_makes_up() {
+        let long = "a".repeat(10_000_000);
+        let names = [
+            "PhysicalSurface4",
+            "Surface1",
+            "Up-1",
+            "bottom",
+            "gmsh:bounding_entities",
+            "surface 3",
+            "surface",
+            "top",
+            &long,
+        ];
+        let [first, .., last] = closest_first("Upp", names)[..] else { panic!() };
+        assert_eq!([first, last], ["Up-1", "gmsh:bounding_entities"]);
+        assert_eq!(closest_first("tip", names)[..3], ["top", "Up-1", "bottom"]);
+        assert_eq!(closest_first("tip", names)[5..8], ["Surface1", "surface 3", "PhysicalSurface4"]);
+        // Asked for, they are no worse than others.
+        assert_eq!(closest_first("Surface2", names)[0], "Surface1");
+        assert_eq!(closest_first(&long, names).len(), names.len());
     }
 
     /// Comparing two of them letter by letter would take a day.

@@ -378,7 +378,7 @@ fn bad_elements_and_nodes_are_found_in_their_line() {
     for set in ["Brick", "Top", "Everything", "Mixed"] {
         let error = unread.facets(set).unwrap_err().to_string();
         assert!(
-            error.contains("holds element 100 of type CIN3D8, which is not supported; supported are"),
+            error.contains("holds element 100 of type CIN3D8 (line 22 of the mesh file), which is not supported; supported are"),
             "{error}"
         );
     }
@@ -430,6 +430,124 @@ fn bad_sets_and_surfaces_are_found_in_their_line() {
     assert_fault("*Surface, type=node", "*Surface, type=cylinder", "expected *SURFACE of TYPE=");
     let message = message(&FLAT.replace("name=Dots", "name=Many"));
     assert!(message.contains("with the name \"Many\" of a different *NSET"), "{message}");
+}
+
+/// Nodes and a brick, as sets of meshio follow them.
+const MESHIO: &str = "\
+*NODE
+1, 0, 0, 0
+2, 1, 0, 0
+3, 1, 1, 0
+4, 0, 1, 0
+5, 0, 0, 1
+6, 1, 0, 1
+7, 1, 1, 1
+8, 0, 1, 1
+*ELEMENT, TYPE=CAX4P
+1, 1, 4, 3, 2
+*ELEMENT, TYPE=C3D8RH
+2, 1, 2, 3, 4, 5, 6, 7, 8
+*ELSET, ELSET=bottom
+1
+*ELSET, ELSET=gmsh:bounding_entities
+-30, 99
+*ELSET, ELSET=solid
+2
+*ELSET, ELSET=gmsh:bounding_entities
+1, -7
+";
+
+/// Its numbers are those of Gmsh's entities, with signs.
+#[test]
+fn a_set_with_wrong_labels_is_refused_where_it_is_asked_for() {
+    let mesh = read(MESHIO);
+    assert_eq!(mesh.facets("bottom").unwrap(), [Facet::Quadrilateral([0, 3, 2, 1])]);
+    assert_eq!(mesh.elements_of("solid").unwrap(), [1]);
+    let name = "gmsh:bounding_entities";
+    for error in [
+        mesh.facets(name).unwrap_err(),
+        mesh.nodes_of(name).unwrap_err(),
+        mesh.elements_of(name).unwrap_err(),
+    ] {
+        assert_eq!(
+            error.to_string(),
+            "the set \"gmsh:bounding_entities\" has the member -30 (line 17 of the mesh file), but labels of elements are positive whole \
+             numbers"
+        );
+    }
+    // So are sets and surfaces of it.
+    let around = read(&format!(
+        "{MESHIO}*ELSET, ELSET=around\n{name}, 1\n*SURFACE, NAME=skin\n{name}, SPOS\n*SURFACE, NAME=one\n1, SPOS\n"
+    ));
+    for name in ["around", "skin"] {
+        let error = around.facets(name).unwrap_err();
+        assert!(matches!(error, MeshError::WrongLabel { line: 17, .. }), "{error}");
+    }
+    assert_eq!(around.facets("one").unwrap().len(), 1);
+    let refused: Vec<&str> = around.unread_sets().into_keys().collect();
+    assert_eq!(refused, ["around", name, "skin"]);
+    // Surfaces and node sets have no such members.
+    let end = MESHIO.matches('\n').count();
+    for (block, what) in [("*SURFACE, NAME=s\n-3, S1", "element"), ("*NSET, NSET=s\n1, -3", "node")] {
+        let error = message(&format!("{MESHIO}{block}\n"));
+        let expected = format!(
+            "deck.inp, line {}: \"s\" has the member -3, but labels of {what}s are positive whole numbers",
+            end + 2
+        );
+        assert_eq!(error, expected);
+    }
+}
+
+/// A facet with a section carries something in Abaqus.
+#[test]
+fn elements_in_a_plane_are_facets() {
+    for (nodes, first, kind) in [
+        (3, "1, 2, 3", ElementKind::Triangle3),
+        (4, "1, 2, 3, 4", ElementKind::Quadrilateral4),
+        (6, "1, 2, 3, 4, 5, 6", ElementKind::Triangle6),
+        (8, "1, 2, 3, 4, 5, 6, 7, 8", ElementKind::Quadrilateral8),
+    ] {
+        for family in ["CPS", "CPE", "CAX"] {
+            for formulation in ["", "R", "H", "I", "M", "T", "P", "RH", "MH", "IH", "RP", "RHT"] {
+                let name = format!("{family}{nodes}{formulation}");
+                let deck = MESHIO.replace("TYPE=CAX4P\n1, 1, 4, 3, 2", &format!("TYPE={name}\n1, {first}"));
+                let mesh = read(&deck);
+                assert_eq!(mesh.elements()[0].kind(), kind, "{name}");
+                assert!(
+                    !mesh.facets("bottom").unwrap().is_empty() && mesh.stiff_lines_and_facets().is_empty()
+                );
+                let stiff = read(&format!("{deck}*SOLID SECTION, ELSET=bottom\n"));
+                assert_eq!(stiff.stiff_lines_and_facets(), [(0, name)]);
+            }
+        }
+    }
+    // Another number of nodes, those of a reference point, twist.
+    for name in ["CPE5", "CPS", "CPEG4", "CGAX4", "CAXA41", "CPE4X"] {
+        let mesh = read(&MESHIO.replace("CAX4P", name));
+        assert_eq!(
+            mesh.facets("bottom").unwrap_err().to_string().split(" is not").next().unwrap(),
+            format!("the set \"bottom\" holds element 1 of type {name} (line 11 of the mesh file), which"),
+        );
+    }
+}
+
+/// Gmsh writes them by default.
+#[test]
+fn hexahedra_with_27_nodes_name_the_option_that_avoids_them() {
+    let deck = "*NODE\n1, 0, 0, 0\n*ELEMENT, TYPE=M3D9, ELSET=s\n1, 1, 2, 3, 4, 5, 6, 7, 8, 9\n*ELEMENT, TYPE=C3D27, ELSET=v\n2, 1, 2\n";
+    let said = message(deck);
+    let supported = "hexahedra of first and second order, except 18-node wedges and, in Abaqus files, 9-node quadrilaterals and 27-node \
+                     hexahedra; Gmsh's option Mesh.SecondOrderIncomplete = 1 writes C3D20 instead, and .msh 4.1 files may have 27-node \
+                     hexahedra";
+    assert!(said.contains("they are of type C3D27, M3D9; supported are"), "{said}");
+    assert!(said.ends_with(supported), "{said}");
+    let mixed = read(&format!(
+        "{MESHIO}*ELEMENT, TYPE=C3D27, ELSET=v\n3, 1, 2\n*ELEMENT, TYPE=M3D9, ELSET=s\n4, 1\n"
+    ));
+    let said = mixed.elements_of("v").unwrap_err().to_string();
+    assert!(said.ends_with(supported), "{said}");
+    let said = mixed.facets("s").unwrap_err().to_string();
+    assert!(said.contains("Mesh.SecondOrderIncomplete = 1 writes 8-node quadrilaterals"), "{said}");
 }
 
 #[test]

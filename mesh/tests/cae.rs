@@ -44,7 +44,9 @@ fn an_element_that_is_not_supported_matters_where_it_is_asked_for() {
         block.nodes_of("side").unwrap_err(),
     ] {
         assert!(
-            error.to_string().contains("holds element 3 of type C3D5, which is not supported"),
+            error
+                .to_string()
+                .contains("holds element 3 of type C3D5 (line 29 of the mesh file), which is not supported"),
             "{error}"
         );
     }

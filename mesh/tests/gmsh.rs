@@ -251,6 +251,13 @@ fn other_versions_and_unsupported_files_are_refused_by_name() {
     assert!(version_2.contains("-format msh41"), "{version_2}");
     let third_order = message("third_order.msh");
     assert!(third_order.contains("element type 36 (unknown) is not supported"), "{third_order}");
+    let wedges =
+        std::fs::read_to_string(data("block_ascii.msh")).unwrap().replace("\n3 1 5 2\n", "\n3 1 13 2\n");
+    let wedges = Mesh::from_gmsh(wedges.as_bytes(), "wedges.msh").unwrap_err().to_string();
+    assert!(
+        wedges.ends_with("; Gmsh's option Mesh.SecondOrderIncomplete = 1 writes 15-node wedges instead"),
+        "{wedges}"
+    );
     let partitioned = message("partitioned.msh");
     assert!(partitioned.contains("$PartitionedEntities) is not supported"), "{partitioned}");
 }

@@ -31,6 +31,8 @@ const DECK: &[u8] = b"\
 1, 5
 *Elset, elset=e, instance=I
 I.e, 1
+*Elset, elset=b
+-7, 9
 *Surface, name=s
 e, SNEG
 *Surface, name=d, type=NODE
@@ -56,7 +58,11 @@ fn judge(result: Result<Mesh, MeshError>) {
                 let _ = mesh.facets(name);
                 match mesh.nodes_of(name) {
                     Ok(nodes) => assert!(nodes.iter().all(|&node| node < mesh.nodes().len())),
-                    Err(MeshError::UnreadElement { .. } | MeshError::UnsupportedFace { .. }) => {}
+                    Err(
+                        MeshError::UnreadElement { .. }
+                        | MeshError::UnsupportedFace { .. }
+                        | MeshError::WrongLabel { .. },
+                    ) => {}
                     Err(error) => panic!("{error}"),
                 }
             }

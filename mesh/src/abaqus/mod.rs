@@ -17,10 +17,10 @@ use std::collections::{BTreeMap, HashMap, HashSet};
 use crate::builder::Builder;
 use crate::element::{ElementKind, MOST_NODES};
 use crate::error::{Fault, Problem, newlines};
-use crate::mesh::{Mesh, Unread, UnreadConstraint, UnreadElement};
+use crate::mesh::{Lost, Mesh, Unread, UnreadConstraint, UnreadElement};
 use assembly::{Bystanders, Choice, Placement};
 use lines::{Data, Keyword, Lines};
-use sets::{Content, Found, Level, Member, Sets};
+use sets::{Content, Found, Level, Member, Sets, Unusable};
 use surfaces::Surfaces;
 
 /// Reads a mesh from the content of an input file. `instance`: which one, if there are several.
@@ -69,9 +69,9 @@ struct Deck<'a> {
     choice: Choice,
     placement: Placement,
     bystanders: Bystanders,
-    /// Elements of types that are not supported.
-    unread: Vec<UnreadElement>,
-    /// Numbers of trusses, beams, shells and membranes, with their types.
+    /// Elements of types that are not supported: numbers, types and where they are.
+    unread: Vec<(u64, String, usize)>,
+    /// Numbers of trusses, beams, shells, membranes and elements in a plane, with their types.
     stiff: Vec<(u64, String)>,
     /// Element sets that sections name: in Abaqus an element without one carries nothing.
     sections: Vec<(Level, String)>,
@@ -253,7 +253,7 @@ impl Deck<'_> {
                 }
             } else {
                 self.unread_index.insert(tag, self.unread.len());
-                self.unread.push(UnreadElement { tag, kind: name.clone() });
+                self.unread.push((tag, name.clone(), at));
             }
             if let Some(set) = set {
                 self.element_sets.add(set, Member::tag(tag), at);
@@ -290,8 +290,17 @@ impl Deck<'_> {
                 continue;
             }
             for field in fields.iter().filter(|field| !field.is_empty()) {
-                let Some(member) = self.member(field, kind, of_instance, name, at)? else { continue };
-                self.sets_mut(kind).add(set, member, at);
+                match self.member(field, kind, of_instance, name, at) {
+                    Ok(None) => {}
+                    Ok(Some(member)) => self.sets_mut(kind).add(set, member, at),
+                    // meshio writes what bounds Gmsh's entities like this: a fault only where the set is asked for.
+                    Err(Fault { problem: Problem::WrongLabel { label, .. }, .. })
+                        if kind == SetKind::Element =>
+                    {
+                        self.element_sets.add_wrong(set, label, at);
+                    }
+                    Err(fault) => return Err(fault),
+                }
             }
         }
         Ok(())
@@ -374,25 +383,30 @@ impl Deck<'_> {
         };
         let found = levels.into_iter().find_map(|level| sets.names.find(level, label)).map(Member::Set);
         found.map(Some).ok_or_else(|| {
+            let set = referrer.to_string();
+            // A number, and no tag: negative.
+            if label.parse::<i64>().is_ok() {
+                let wrong = Problem::WrongLabel { set, label: label.into(), what: sets.of };
+                return Fault::new(at, wrong);
+            }
             let member = format!("{} set {field:?} (sets must be defined before they are used)", sets.of);
-            Fault::new(at, Problem::MissingMember { set: referrer.into(), member })
+            Fault::new(at, Problem::MissingMember { set, member })
         })
     }
 
     fn into_mesh(self, bytes: &[u8]) -> Result<Mesh, Fault> {
         let Deck { builder, node_sets, element_sets, surfaces, choice, placement, .. } = self;
-        let (mut line, mut counted) = (1, 0);
-        let mut constraint = |(keyword, at, elements): (_, usize, _)| {
-            line += newlines(&bytes[counted..at]);
-            counted = at;
-            UnreadConstraint { keyword, line, elements }
-        };
-        let constraints = self.constraints.into_iter().map(&mut constraint).collect();
+        let mut line = line_numbers(bytes);
+        let constraint = |(keyword, at, elements)| UnreadConstraint { keyword, line: line(at), elements };
+        let constraints = self.constraints.into_iter().map(constraint).collect();
+        let mut line = line_numbers(bytes);
+        let unread = |(tag, kind, at)| UnreadElement { tag, kind, line: line(at) };
+        let unread_elements: Vec<UnreadElement> = self.unread.into_iter().map(unread).collect();
         let elements = builder.resolved_elements()?;
         let last_node = builder.node_tags().iter().copied().max().unwrap_or(0);
         let read_elements = elements.iter().map(|element| element.tag());
         let last_element =
-            read_elements.chain(self.unread.iter().map(|element| element.tag)).max().unwrap_or(0);
+            read_elements.chain(unread_elements.iter().map(|element| element.tag)).max().unwrap_or(0);
         let node = |tag| {
             let missing = Found::Missing { is_beyond: tag > last_node };
             builder.node_index(tag).map_or(missing, Found::Index)
@@ -408,20 +422,27 @@ impl Deck<'_> {
         let facets = surfaces.resolve_facets(&element_sets, &elements_in, element, &elements)?;
 
         let owner = choice.owner();
-        let place = |tag: &Option<u64>| tag.map(|tag| self.unread_index[&tag]);
+        let mut line = line_numbers(bytes);
+        let wrong = element_sets.wrong.iter();
+        let wrong_labels: Vec<Lost> =
+            wrong.map(|(label, at)| Lost::Label { label: label.clone(), line: line(*at) }).collect();
+        let lost = |unusable: &Option<Unusable>| {
+            Some(match (*unusable)? {
+                Unusable::Element(tag) => Lost::Element(self.unread_index[&tag]),
+                Unusable::Label(wrong) => wrong_labels[wrong].clone(),
+            })
+        };
         let unread = Unread {
             in_sets: named(
-                element_sets
-                    .names
-                    .publish(elements_in.iter().map(|set| place(&set.unread)).collect(), &owner),
+                element_sets.names.publish(elements_in.iter().map(|set| lost(&set.unread)).collect(), &owner),
             ),
             in_surfaces: named(
-                surfaces.publish(facets.iter().map(|surface| place(&surface.unread)).collect(), &owner),
+                surfaces.publish(facets.iter().map(|surface| lost(&surface.unread)).collect(), &owner),
             ),
             faces: named(
                 surfaces.publish(facets.iter().map(|surface| surface.unsupported.clone()).collect(), &owner),
             ),
-            elements: self.unread,
+            elements: unread_elements,
         };
         let sorted = |sets: Vec<Content>| {
             sets.into_iter().map(|set| set.indices.into_iter().collect::<Vec<usize>>()).collect()
@@ -449,6 +470,16 @@ impl Deck<'_> {
             stiff,
             constraints,
         })
+    }
+}
+
+/// Lines of places in the file, which are asked for in ascending order.
+fn line_numbers(bytes: &[u8]) -> impl FnMut(usize) -> usize + '_ {
+    let (mut line, mut counted) = (1, 0);
+    move |at| {
+        line += newlines(&bytes[counted..at]);
+        counted = at;
+        line
     }
 }
 
@@ -511,7 +542,8 @@ fn is_small(name: &str) -> bool {
 
 /// Whether elements of this type, which are lines or facets here, carry something in Abaqus if they have a section.
 fn has_stiffness_elsewhere(name: &str) -> bool {
-    ["T3D", "B3", "S3", "S4", "S6", "S8", "STRI", "M3D"].iter().any(|begin| name.starts_with(begin))
+    let begins = ["T3D", "B3", "S3", "S4", "S6", "S8", "STRI", "M3D", "CPE", "CPS", "CAX"];
+    begins.iter().any(|begin| name.starts_with(begin))
 }
 
 /// The kind of an Abaqus element type, given in upper case.
@@ -533,13 +565,25 @@ fn element_kind(name: &str) -> Option<ElementKind> {
         "S3" | "S3R" | "S3RS" | "STRI3" | "R3D3" | "M3D3" | "SFM3D3" => ElementKind::Triangle3,
         "S8" | "S8R" | "S8R5" | "M3D8" | "M3D8R" | "SFM3D8" | "SFM3D8R" => ElementKind::Quadrilateral8,
         "S6" | "STRI65" | "M3D6" | "SFM3D6" => ElementKind::Triangle6,
-        // What Gmsh calls the facets of a surface when it exports to Abaqus.
-        "CPS4" => ElementKind::Quadrilateral4,
-        "CPS3" => ElementKind::Triangle3,
-        "CPS8" => ElementKind::Quadrilateral8,
-        "CPS6" => ElementKind::Triangle6,
         "T3D2" | "B31" => ElementKind::Line2,
         "T3D3" | "B32" => ElementKind::Line3,
+        _ => return planar_kind(name),
+    })
+}
+
+/// The kind of an element in a plane: what Gmsh (CPS) and meshio (CPE, CAX) call the facets of a surface when they export to Abaqus.
+fn planar_kind(name: &str) -> Option<ElementKind> {
+    let rest = ["CPS", "CPE", "CAX"].iter().find_map(|begin| name.strip_prefix(begin))?;
+    let (nodes, formulation) = rest.split_at_checked(1)?;
+    // Hybrid, incompatible, modified, pore pressure, reduced, temperature: the nodes are the same.
+    if !formulation.bytes().all(|letter| b"HIMPRT".contains(&letter)) {
+        return None;
+    }
+    Some(match nodes {
+        "3" => ElementKind::Triangle3,
+        "4" => ElementKind::Quadrilateral4,
+        "6" => ElementKind::Triangle6,
+        "8" => ElementKind::Quadrilateral8,
         _ => return None,
     })
 }

@@ -88,6 +88,19 @@ pub(super) struct Sets {
     /// `"node"` or `"element"`.
     pub of: &'static str,
     entries: Vec<Entry>,
+    /// First members of sets that are no labels, and where they are, in the order of the file.
+    pub wrong: Vec<(String, usize)>,
+    /// Their places in the list, by set.
+    wrong_in: BTreeMap<usize, usize>,
+}
+
+/// Why what is in a set cannot be told.
+#[derive(Clone, Copy)]
+pub(super) enum Unusable {
+    /// It holds this element of a type that is not supported.
+    Element(u64),
+    /// It has this one of the members that are no labels, or holds a set that has.
+    Label(usize),
 }
 
 /// What a tag stands for.
@@ -105,12 +118,12 @@ pub(super) enum Found {
 #[derive(Clone, Default)]
 pub(super) struct Content {
     pub indices: BTreeSet<usize>,
-    /// The first element in it of a type that is not supported.
-    pub unread: Option<u64>,
+    /// The first reason why this is not all of it.
+    pub unread: Option<Unusable>,
 }
 
 impl Content {
-    pub fn take(&mut self, (indices, unread): (Vec<usize>, Option<u64>)) {
+    pub fn take(&mut self, (indices, unread): (Vec<usize>, Option<Unusable>)) {
         self.indices.extend(indices);
         self.unread = self.unread.or(unread);
     }
@@ -145,20 +158,35 @@ pub(super) struct Entry {
 
 impl Sets {
     pub fn new(of: &'static str) -> Self {
-        Self { names: Names::default(), of, entries: Vec::new() }
+        Self {
+            names: Names::default(),
+            of,
+            entries: Vec::new(),
+            wrong: Vec::new(),
+            wrong_in: BTreeMap::new(),
+        }
     }
 
     pub fn add(&mut self, set: usize, member: Member, at: usize) {
         self.entries.push(Entry { at, set, member });
     }
 
+    pub fn add_wrong(&mut self, set: usize, label: String, at: usize) {
+        self.wrong_in.entry(set).or_insert_with(|| {
+            self.wrong.push((label, at));
+            self.wrong.len() - 1
+        });
+    }
+
     /// What is in every set. `find` says what a tag stands for.
     pub fn resolve(&self, find: impl Fn(u64) -> Found) -> Result<Vec<Content>, Fault> {
         let mut sets = vec![Content::default(); self.names.count()];
+        self.wrong_in.iter().for_each(|(&set, &wrong)| sets[set].unread = Some(Unusable::Label(wrong)));
         let mut room = Room::new(self.of);
         // The same once more adds nothing.
         let mut known = HashSet::new();
-        for &entry in &self.entries {
+        // Other numbers of a set whose members are not labels mean nothing, either.
+        for &entry in self.entries.iter().filter(|entry| !self.wrong_in.contains_key(&entry.set)) {
             if let Member::Tags { first, last, step } = entry.member
                 && !known.insert((entry.set, first, last, step))
             {
@@ -171,14 +199,14 @@ impl Sets {
         Ok(sets)
     }
 
-    /// The indices that a member stands for and the first element in it that was not read. `names`: of what has the member.
+    /// The indices that a member stands for and the first reason why these are not all. `names`: of what has the member.
     pub fn members(
         &self,
         Entry { at, set, member }: Entry,
         names: &Names,
         sets: &[Content],
         find: impl Fn(u64) -> Found,
-    ) -> Result<(Vec<usize>, Option<u64>), Fault> {
+    ) -> Result<(Vec<usize>, Option<Unusable>), Fault> {
         match member {
             Member::Set(number) => Ok((sets[number].indices.iter().copied().collect(), sets[number].unread)),
             Member::Tags { first, last, step } => {
@@ -189,7 +217,7 @@ impl Sets {
                 while tag <= last {
                     match find(tag) {
                         Found::Index(index) => indices.push(index),
-                        Found::Unread => unread = unread.or(Some(tag)),
+                        Found::Unread => unread = unread.or(Some(Unusable::Element(tag))),
                         Found::Missing { is_beyond } => {
                             gap = gap.or(Some(tag));
                             gaps += 1;

@@ -3,7 +3,7 @@
 use std::collections::{BTreeMap, BTreeSet, HashSet};
 
 use super::SetKind;
-use super::sets::{Content, Entry, Found, Level, Member, Names, Room, Sets};
+use super::sets::{Content, Entry, Found, Level, Member, Names, Room, Sets, Unusable};
 use crate::element::{Element, Facet};
 use crate::error::{Fault, Problem};
 
@@ -24,8 +24,8 @@ pub(super) struct Surfaces {
 #[derive(Clone, Default)]
 pub(super) struct Faces {
     pub facets: Vec<Facet>,
-    /// The first element in it of a type that is not supported.
-    pub unread: Option<u64>,
+    /// The first reason why these are not all.
+    pub unread: Option<Unusable>,
     /// The first identifier in it that is not supported.
     pub unsupported: Option<String>,
 }

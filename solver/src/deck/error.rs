@@ -1,8 +1,10 @@
 //! What can be wrong with a deck.
 
 use std::path::PathBuf;
+use std::sync::Arc;
 
 use diffuse_contact::friction::FrictionError;
+use diffuse_contact_mesh::MeshError;
 use diffuse_contact_mesh::file::reason;
 use diffuse_contact_mesh::names::{self, escaped, shown};
 
@@ -83,9 +85,12 @@ pub enum Problem {
         name = shown(name)
     )]
     NoFacets { name: String, nodes: usize },
-    /// A name of nothing; `what` is `"material"`, `"node set"` or `"surface"`.
+    /// A name of nothing; `what` is `"material"`, `"node set"` or `"surface"`. Names that are `known` begin with the closest ones.
     #[error("no {what} is named {name:?}{}; there {}", did_you_mean(nearest), all(known, what), name = shown(name))]
     UnknownName { what: &'static str, name: String, nearest: Option<String>, known: Vec<String> },
+    /// A set of a mesh file that holds what is not read.
+    #[error("parts.{part}: {error}", part = shown(part))]
+    UnreadSet { part: String, error: Arc<MeshError> },
     /// A shape that cannot be made.
     #[error("parts.{part}: {error}", part = shown(part))]
     Shape { part: String, error: ShapeError },

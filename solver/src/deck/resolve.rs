@@ -1,11 +1,11 @@
 //! From a deck to a model: parts are made, names become nodes and facets.
 
-use std::collections::{BTreeMap, BTreeSet, HashSet};
+use std::collections::{BTreeMap, BTreeSet, HashMap, HashSet};
 use std::path::Path;
 
 use diffuse_contact::surface::Facet;
 use diffuse_contact_mesh::ElementKind;
-use diffuse_contact_mesh::names::nearest;
+use diffuse_contact_mesh::names::{self, nearest};
 
 use super::error::{DeckError, Problem};
 use super::{Boundary, Deck, Interface, PartEntry, PartSource, Pressure, Reference};
@@ -75,7 +75,7 @@ impl Deck {
         for (boundary, name) in self.boundaries.iter().zip(support_names(&self.boundaries)) {
             let mut nodes = BTreeSet::new();
             for set in &boundary.nodes {
-                nodes.extend(self.find(&model.node_sets, "node set", set)?);
+                nodes.extend(self.find_set(model, &model.node_sets, "node set", set)?);
             }
             let (axes, motion) = (boundary.axes, boundary.motion.clone());
             supports.push(Support { name, nodes: nodes.into_iter().collect(), axes, motion });
@@ -174,10 +174,11 @@ impl Deck {
                 model.surfaces.contains_key(&name.name) || alike(&model.surfaces, &name.name).is_some();
             let nodes = model.node_sets.get(&name.name).or_else(|| alike(&model.node_sets, &name.name));
             if let (false, Some(nodes)) = (is_known, nodes) {
+                self.refuse_unread(model, name)?;
                 let problem = Problem::NoFacets { name: name.name.clone(), nodes: nodes.len() };
                 return Err(self.error(name.line, problem));
             }
-            let surface = self.find(&model.surfaces, "surface", name)?;
+            let surface = self.find_set(model, &model.surfaces, "surface", name)?;
             facets.extend(surface.iter().filter(|&&facet| known.insert(facet)));
         }
         Ok(facets)
@@ -197,6 +198,29 @@ impl Deck {
         }
     }
 
+    /// Refuses the name of a set of a mesh file that holds what is not read.
+    fn refuse_unread(&self, model: &Model, name: &Reference) -> Result<(), DeckError> {
+        let sets = &model.unread_sets;
+        let Some(error) = sets.get(&name.name).or_else(|| alike(sets, &name.name)) else { return Ok(()) };
+        let part = name.name.split('.').next().unwrap_or_default().to_owned();
+        Err(self.error(name.line, Problem::UnreadSet { part, error: error.clone() }))
+    }
+
+    /// The set, or the surface, of this name among those of the model.
+    fn find_set<'a, T>(
+        &self,
+        model: &Model,
+        among: &'a BTreeMap<String, T>,
+        what: &'static str,
+        name: &Reference,
+    ) -> Result<&'a T, DeckError> {
+        let found = self.find(among, what, name);
+        if found.is_err() {
+            self.refuse_unread(model, name)?;
+        }
+        found
+    }
+
     fn find<'a, T>(
         &self,
         among: &'a BTreeMap<String, T>,
@@ -205,7 +229,8 @@ impl Deck {
     ) -> Result<&'a T, DeckError> {
         among.get(&name.name).or_else(|| alike(among, &name.name)).ok_or_else(|| {
             let nearest = nearest_name(&name.name, among.keys().map(String::as_str)).map(str::to_owned);
-            let known = among.keys().cloned().collect();
+            let known = closest_first(&name.name, among.keys().map(String::as_str));
+            let known = known.into_iter().map(str::to_owned).collect();
             self.error(name.line, Problem::UnknownName { what, name: name.name.clone(), nearest, known })
         })
     }
@@ -271,6 +296,34 @@ fn nearest_name<'a>(name: &str, among: impl Iterator<Item = &'a str> + Clone) ->
         }
         _ => nearest(name, among),
     }
+}
+
+/// Names in the order in which a list is of use: those of the part that was asked for first, the closest spellings first.
+fn closest_first<'a>(name: &str, among: impl Iterator<Item = &'a str> + Clone) -> Vec<&'a str> {
+    fn split(name: &str) -> (&str, &str) {
+        name.split_once('.').unwrap_or((name, ""))
+    }
+    if !name.contains('.') && among.clone().all(|other| !other.contains('.')) {
+        return names::closest_first(name, among);
+    }
+    let (part, set) = split(name);
+    // A part of this name, or the one that was meant.
+    let parts = among.clone().map(|other| split(other).0);
+    let part = parts.clone().find(|&other| other == part).or_else(|| nearest(part, parts));
+    let (own, others): (Vec<&str>, Vec<&str>) = among.partition(|&other| Some(split(other).0) == part);
+    let mut sorted = Vec::new();
+    for names in [own, others] {
+        let sets: BTreeSet<&str> = names.iter().map(|&other| split(other).1).collect();
+        let place: HashMap<&str, usize> = names::closest_first(set, sets)
+            .into_iter()
+            .enumerate()
+            .map(|(place, set)| (set, place))
+            .collect();
+        let start = sorted.len();
+        sorted.extend(names);
+        sorted[start..].sort_by_key(|&other| (place[split(other).1], other));
+    }
+    sorted
 }
 
 /// What the boundaries are called in results: by their node sets, and by a number where those are the same.

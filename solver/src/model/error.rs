@@ -1,7 +1,7 @@
 //! What can be wrong with shapes, parts and models.
 
-use diffuse_contact_mesh::MeshError;
 use diffuse_contact_mesh::names::shown;
+use diffuse_contact_mesh::{MeshError, advice_on};
 
 /// The order of the nodes of tetrahedra, wedges and hexahedra, in Abaqus' and Gmsh's files alike.
 const ORDER: &str = "; below 0 its nodes are in the wrong order: those of the first face have to turn counter-clockwise as seen from the others";
@@ -110,10 +110,11 @@ pub enum ModelError {
     Mesh(#[from] MeshError),
     /// A solid element was not read, and nothing says that it is no part of this part.
     #[error(
-        "element {tag} (in the mesh file) is of type {kind}, which is not supported; `elements` can name a set without it, \
-         docs/how-to/decks.md lists what is supported"
+        "element {tag} (line {line} of the mesh file) is of type {kind}, which is not supported; `elements` can name a set without it, \
+         docs/how-to/decks.md lists what is supported{}",
+        advice_on(kind), kind = shown(kind)
     )]
-    UnreadSolid { tag: u64, kind: String },
+    UnreadSolid { tag: u64, kind: String, line: usize },
     /// A mesh file has no solid elements where a solid part was asked for. `set` is `None` for the whole file.
     #[error("the mesh file has no solid elements{}", in_set(set))]
     NoSolids { set: Option<String> },

@@ -3,6 +3,7 @@
 use std::collections::hash_map::Entry;
 use std::collections::{BTreeMap, HashMap};
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use diffuse_contact::surface::Facet;
 use diffuse_contact_mesh::{self as mesh, Mesh};
@@ -47,8 +48,8 @@ fn solid_part(mesh: &Mesh, elements: Option<&str>) -> Result<Part, ModelError> {
     if elements.is_none()
         && let Some(solid) = mesh.unread_elements().iter().find(|element| may_be_solid(&element.kind))
     {
-        let mesh::UnreadElement { tag, kind } = solid.clone();
-        return Err(ModelError::UnreadSolid { tag, kind });
+        let mesh::UnreadElement { tag, kind, line } = solid.clone();
+        return Err(ModelError::UnreadSolid { tag, kind, line });
     }
     let all: Vec<usize>;
     let chosen = match elements {
@@ -237,6 +238,9 @@ impl Subset {
             }
         }
         let nodes = self.nodes.iter().map(|&node| mesh.nodes()[node]).collect();
-        Part { nodes, node_sets, ..Part::default() }
+        // Whether they would lie on the part is not known.
+        let unread_sets = mesh.unread_sets().into_iter();
+        let unread_sets = unread_sets.map(|(name, error)| (name.to_string(), Arc::new(error))).collect();
+        Part { nodes, node_sets, unread_sets, ..Part::default() }
     }
 }

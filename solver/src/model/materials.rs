@@ -1,6 +1,6 @@
 //! Which material each element of a part has.
 
-use diffuse_contact_mesh::names::nearest;
+use diffuse_contact_mesh::names::{closest_first, nearest};
 
 use super::{Body, ModelError, Part};
 use crate::material::Material;
@@ -91,7 +91,10 @@ fn find<'a>(name: &str, part: &'a Part, set: &str) -> Result<(&'a str, &'a [usiz
             part: name.into(),
             set: set.into(),
             nearest: nearest(set, sets.keys().map(String::as_str)).map(str::to_owned),
-            known: sets.keys().cloned().collect(),
+            known: closest_first(set, sets.keys().map(String::as_str))
+                .into_iter()
+                .map(str::to_owned)
+                .collect(),
         }),
     }
 }

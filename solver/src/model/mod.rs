@@ -20,9 +20,11 @@ mod supports;
 
 use std::borrow::Cow;
 use std::collections::{BTreeMap, HashMap, HashSet};
+use std::sync::Arc;
 
 use diffuse_contact::faces::QuadraticFace;
 use diffuse_contact::surface::Facet;
+use diffuse_contact_mesh::MeshError;
 
 use crate::material::Material;
 
@@ -49,6 +51,8 @@ pub struct Model {
     pub surfaces: BTreeMap<String, Vec<Facet>>,
     /// Numbers of facets that a mesh file counts to a surface although they are not on its part's skin.
     pub inner_facets: BTreeMap<String, usize>,
+    /// Sets and surfaces of mesh files that are refused where they are asked for, with the error.
+    pub unread_sets: BTreeMap<String, Arc<MeshError>>,
     /// Where nodes that a mesh file joins are not joined here, in sentences.
     pub warnings: Vec<String>,
     /// The nodes that [`adjust`](Self::adjust) moved.
@@ -118,6 +122,9 @@ impl Model {
         }
         for (set, count) in part.inner_facets {
             self.inner_facets.insert(format!("{name}.{set}"), count);
+        }
+        for (set, error) in part.unread_sets {
+            self.unread_sets.insert(format!("{name}.{set}"), error);
         }
         self.bodies.extend(bodies);
         self.nodes.extend(part.nodes);

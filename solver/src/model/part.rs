@@ -1,9 +1,10 @@
 //! One part before it joins a model: nodes, elements or rigid facets, sets by their short names.
 
 use std::collections::BTreeMap;
+use std::sync::Arc;
 
 use diffuse_contact::surface::Facet;
-use diffuse_contact_mesh::{ElementKind, UnreadConstraint};
+use diffuse_contact_mesh::{ElementKind, MeshError, UnreadConstraint};
 use nalgebra::Vector3;
 
 use super::cells::{Cell, Misfit};
@@ -35,6 +36,8 @@ pub struct Part {
     pub surfaces: BTreeMap<String, Vec<Facet>>,
     /// Numbers of facets that a mesh file counts to a surface although they are not on the part's skin.
     pub inner_facets: BTreeMap<String, usize>,
+    /// Sets and surfaces of the mesh file that are refused where they are asked for, with the error.
+    pub unread_sets: BTreeMap<String, Arc<MeshError>>,
     /// Constraints between nodes that the mesh file has: they are not kept.
     pub unread_constraints: Vec<UnreadConstraint>,
     /// Types of springs, beams and the like that the mesh file has and nothing reads, and how many elements there are of each.

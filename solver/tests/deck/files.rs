@@ -157,3 +157,43 @@ fn incompatible_modes_come_from_the_file_or_the_deck() {
     assert!(error.contains("hex8i"), "{error}");
     std::fs::remove_dir_all(&directory).unwrap();
 }
+
+/// Sets that are not read are no unknown names: the error says what they hold, and where.
+#[test]
+fn sets_that_hold_what_is_not_read_say_so() {
+    let directory = two_cubes(
+        "unread-sets",
+        "*ELEMENT, TYPE=C3D8, ELSET=Volume1\n1, 1, 2, 3, 4, 5, 6, 7, 8\n*ELEMENT, TYPE=M3D9, ELSET=Low\n7, 1, 2, 3\n\
+         *ELEMENT, TYPE=CPE4, ELSET=Surface5\n8, 5, 6, 7, 8\n*ELSET, ELSET=top\n8\n*ELSET, ELSET=gmsh:bounding_entities\n-30\n\
+         *NSET, NSET=low_nodes\n1, 2, 3, 4\n*SURFACE, NAME=rim\nVolume1, EDGE1\n",
+    );
+    let line = 1 + TWO_CUBES.matches('\n').count() + 3;
+    let text = |table: &str| {
+        format!(
+            "[materials.m]\nyoung = 1.0\npoisson = 0.3\n[parts.two]\nfile = \"two.inp\"\nmaterial = \"m\"\n{table}\n\
+             [time]\nincrement = 1.0\n"
+        )
+    };
+    let error = |table: &str| {
+        let deck = Deck::parse(&text(table)).unwrap();
+        deck.model(&directory).unwrap_err().to_string()
+    };
+    let boundary = |set: &str| error(&format!("[[boundary]]\nnodes = \"two.{set}\"\nfix = [\"x\"]"));
+    let pressure = |set: &str| error(&format!("[[pressure]]\nsurface = \"two.{set}\"\nvalue = 1.0"));
+    for said in [boundary("Low"), pressure("Low"), boundary("LOW"), pressure("low")] {
+        let begin = format!(
+            "deck, line 8: parts.two: the set \"Low\" holds element 7 of type M3D9 (line {line} of the mesh file), which is not supported; "
+        );
+        assert!(said.starts_with(&begin), "{said}");
+    }
+    let said = boundary("gmsh:bounding_entities");
+    let part =
+        format!("the set \"gmsh:bounding_entities\" has the member -30 (line {} of the mesh file)", line + 6);
+    assert!(said.contains(&part), "{said}");
+    let said = pressure("rim");
+    assert!(said.contains("the surface \"rim\" has the face identifier \"EDGE1\""), "{said}");
+    // What is read is found, and what Gmsh names by itself comes last.
+    let said = pressure("tap");
+    assert!(said.ends_with("no surface is named \"two.tap\" (did you mean \"two.top\"?); there are two.top, two, two.Surface5"), "{said}");
+    std::fs::remove_dir_all(&directory).unwrap();
+}

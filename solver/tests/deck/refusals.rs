@@ -76,6 +76,26 @@ fn misspelt_words_and_names_name_the_nearest() {
     refused("fix = [\"x\", \"y\", \"z\"]", "fix = [\"x\", \"w\"]", "boundary[1].fix[2] cannot be \"w\"");
 }
 
+/// Of 30 parts a list that begins with any names would not come to those that help.
+#[test]
+fn lists_of_names_begin_with_the_part_that_was_asked_for() {
+    let mut text = changed("\"block.z+\"", "\"block.top\"");
+    for k in 0..30 {
+        text += &format!("\n[parts.a{k}]\nshape = \"rigid-plane\"\nsize = [1.0, 1.0]\ndivisions = [1, 1]\n");
+    }
+    let said = message(&text);
+    let begin = "no node set is named \"block.top\"; there are block, block.x+, block.x-, block.y+, block.y-, block.z+, block.z-, ";
+    assert!(said.contains(begin), "{said}");
+    // Of a part that is misspelt as well.
+    let said = message(&text.replace("\"block.top\"", "\"blok.zz\""));
+    assert!(said.contains("; there are block.z+, block.z-, block, block.x+, "), "{said}");
+    // Materials have no parts.
+    let metals: String =
+        (0..3).map(|k| format!("[materials.iron{k}]\nyoung = 1.0\npoisson = 0.3\n")).collect();
+    let said = message(&format!("{}\n{metals}", changed("material = \"steel\"", "material = \"irn2\"")));
+    assert!(said.contains("(did you mean \"iron2\"?); there are iron2, iron0, iron1, steel"), "{said}");
+}
+
 #[test]
 fn wrong_types_and_ranges_say_what_was_found() {
     refused(

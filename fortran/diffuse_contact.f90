@@ -782,6 +782,7 @@ module diffuse_contact
             integer(c_int) :: status
         end function
 
+        ! A node on a sharp edge of the slave is there once for each sheet.
         function dc_faces_slaves(faces, slaves, slave_count) bind(c) result(status)
             import :: c_int, c_int32_t, c_ptr, c_size_t
             type(c_ptr), value :: faces

@@ -162,7 +162,8 @@ class FaceContact:
         nodes = np.empty(0, dtype=np.int64) if self.interface is None else self.interface.slaves
         numbers = self._numbers(nodes)
         owners = self.owners[nodes]
-        asked = self.exchange.to("history", {int(rank): (numbers[owners == rank],) for rank in np.unique(owners)})
+        by_owner = {int(rank): (np.unique(numbers[owners == rank]),) for rank in np.unique(owners)}
+        asked = self.exchange.to("history", by_owner)
         answers = {}
         for rank, (wanted,) in asked.items():
             known = [number for number in wanted.tolist() if number in self.history]
@@ -290,7 +291,10 @@ class FaceContact:
         return []
 
     def results(self) -> dict:
-        """What the own slaves have: numbers, forces, and average gaps, pressures and friction, on a sharp edge those of the sheet that presses most."""
+        """What the own slaves have: numbers, forces, and average gaps, pressures and friction.
+
+        On a sharp edge they are those of the sheet that presses most.
+        """
         found = {"slaves": self.slaves, "slave_forces": np.zeros((len(self.slaves), 3)), "contacts": []}
         if self.interface is None:
             return found

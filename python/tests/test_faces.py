@@ -336,7 +336,7 @@ def test_refusals():
     np.testing.assert_array_equal(faces.forces(), before)
     with pytest.raises(TypeError):
         copy.copy(faces)
-    assert repr(faces) == "<FaceInterface of 25 nodes, diffuse>"
+    assert repr(faces) == "<FaceInterface of 25 slaves, diffuse>"
 
 
 def test_nodes_of_a_surface_touch_it():

@@ -147,8 +147,7 @@ class FaceInterface(FrictionHistory):
             quadrilateral of second order and what lies over it.
         pressures: where they follow from gaps: ``"nodes"``, from the average gap around each, or ``"points"``, at each
             integration point from its own gap. Points are for faces that are coarse beside the master's curvature,
-            where an average gap closes late, and for slaves that go over an edge; a stiff penalty makes their pressures
-            rough.
+            where an average gap closes late; a stiff penalty makes their pressures rough.
         dofs: equations of the nodes' x, y and z, shape (p, 3), −1 where there is none; if left out, 3·node + axis.
         equations: number of equations; if left out, 3p, or the largest of ``dofs`` plus 1.
         symmetry: planes of symmetry of both surfaces, pairs of a point and the unit normal to the side of the model.
@@ -212,7 +211,7 @@ class FaceInterface(FrictionHistory):
         those of an interface of the whole surfaces, bit for bit, or a node has the outcome ``"beyond-window"`` and no
         pressure. Rows of forces and tangent are those of the whole where all nodes of the faces at their node are
         known. The history of friction names nodes by their numbers in the whole surfaces: two parts of
-        ``split_history`` go with each node from window to window.
+        ``split_history`` go with each slave from window to window.
 
         Args:
             master: holds these faces and what is within the limit of the distance, until it is made anew.
@@ -264,7 +263,10 @@ class FaceInterface(FrictionHistory):
 
     @property
     def slaves(self) -> Ints:
-        """The nodes of the slave's faces, ascending, in the order of all results, shape (s,)."""
+        """The nodes of the slave's faces, ascending, in the order of all results, shape (s,).
+
+        A node on an edge sharper than the feature angle is there once for each sheet of the slave that meets there.
+        """
         return self._faces.slaves()
 
     @property
@@ -443,4 +445,4 @@ class FaceInterface(FrictionHistory):
         )
 
     def __repr__(self) -> str:
-        return f"<FaceInterface of {len(self.slaves)} nodes, {self._options.element}>"
+        return f"<FaceInterface of {len(self.slaves)} slaves, {self._options.element}>"

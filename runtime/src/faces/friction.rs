@@ -24,12 +24,15 @@ use crate::affine::Carrier;
 use crate::assembly::{AssemblyError, ContactLaw};
 use crate::friction::{Coulomb, FaceTraction, FrictionState, Sliding};
 use crate::interface::{
-    Anchor, FrictionReport, InterfaceError, NoContact, Outcome, Results, from_numbers, to_numbers,
+    Anchor, FrictionReport, InterfaceError, NoContact, Outcome, Results, from_numbers, split_history,
+    to_numbers,
 };
 use crate::surface::{shape_of, sort};
 use crate::vector::Vector3;
 use crate::{AffinePoint, Mode, Point};
 
+/// A point that is not there, in a history.
+const NONE: f64 = -1.0;
 /// What a point without pressure counts for in the slip of a node that carries one, over the node's pressure.
 const LITTLE: f64 = 1e-12;
 
@@ -203,23 +206,22 @@ impl FaceInterface {
                 }
                 _ => None,
             };
-            let mut limit = law.friction.as_ref().map_or(0.0, |friction| friction.limit(node.pressure));
+            let mut slides_with = 0.0;
             if let (Some(Traction { value, sliding, slip, .. }), Some(old)) = (&traction, closed) {
                 report.stuck += usize::from(sliding.state == FrictionState::Stick);
                 report.sliding += usize::from(sliding.state == FrictionState::Slip);
-                report.dissipated += node.area * sliding.dissipated(slip.norm(), old.anchor.limit);
+                report.dissipated += node.area * sliding.dissipated(slip.norm(), old.anchor.before_step());
                 if sliding.state == FrictionState::Slip {
-                    limit = Vector3::from(*value).norm();
+                    slides_with = Vector3::from(*value).norm();
                 }
             } else if let Some(old) = old.filter(|_| is_open) {
-                // What it slid on before it opened.
-                let slip = self.since_stuck(node, normals[k], old);
-                report.dissipated += node.area * (0.5 * old.anchor.limit * slip.norm());
+                let way = self.since_stuck(node, normals[k], old).norm();
+                report.dissipated += node.area * Sliding::OPEN.dissipated(way, old.anchor.before_step());
             }
             let track = match (closed, &traction) {
                 (Some(old), Some(Traction { sliding, .. })) if sliding.kept == 1.0 => {
                     let origin = old.anchor.origin.clone().filter(|_| is_augmented);
-                    old.clone().with_origin(origin).with_limit(limit)
+                    old.clone().with_origin(origin).with_traction(slides_with)
                 }
                 (old, traction) => {
                     let (kept, slip) =
@@ -236,7 +238,7 @@ impl FaceInterface {
                     let stuck = || drawn.clone().with_slip(Vector3::zeros(), normals[k], &self.positions);
                     let origin = (slides && is_augmented).then(|| stuck().anchor.point);
                     let drawn = drawn.with_slip(slip * kept, normals[k], &self.positions);
-                    drawn.with_opening(opening).with_limit(limit).with_origin(origin)
+                    drawn.with_opening(opening).with_traction(slides_with).with_origin(origin)
                 }
             };
             tracks.push(Some(track));
@@ -423,9 +425,9 @@ impl FaceInterface {
         self.tracks.is_some()
     }
 
-    /// The history of friction as plain numbers, for a restart; empty before a state was [accepted](Self::accept). Each node has two
+    /// The history of friction as plain numbers, for a restart; empty before a state was [accepted](Self::accept). Each slave has two
     /// points, its own and its anchor. In [windows](crate::surface::window) their nodes have their numbers in the whole surfaces, too: two
-    /// parts of [`split_history`](crate::interface::split_history) go with a node from window to window.
+    /// parts of [`split_history`](crate::interface::split_history) go with a slave from window to window.
     pub fn history(&self) -> Vec<f64> {
         self.numbers_of(self.tracks.as_deref())
     }
@@ -449,19 +451,29 @@ impl FaceInterface {
     }
 
     /// Goes on from a [`history`](Self::history), bit for bit; no numbers are no history. If it is another one than the present, there is
-    /// no contact until the next [`refresh`](Self::refresh).
+    /// no contact until the next [`refresh`](Self::refresh). In windows nodes at which faces may be missing have no result, and no history.
     ///
     /// # Errors
     /// [`InterfaceError::InvalidHistory`]; [`InterfaceError::CarrierBeyondWindow`] for a node that is not in the windows;
     /// [`InterfaceError::AnchorCount`], [`InterfaceError::InvalidOpening`], [`InterfaceError::ForeignCarrier`]. The history of before then
     /// stays.
     pub fn set_history(&mut self, history: &[f64]) -> Result<(), InterfaceError> {
-        let tracks = if history.is_empty() { None } else { Some(self.tracks_of(history)?) };
+        let tracks = if history.is_empty() { None } else { Some(self.tracks_of(&self.known_of(history)?)?) };
         if self.tracks != tracks || self.augmented.is_some() {
             self.forget();
             self.tracks = tracks;
         }
         Ok(())
+    }
+
+    /// The history without that of nodes beside the window: which of their sheets it belongs to is not known.
+    fn known_of(&self, history: &[f64]) -> Result<Vec<f64>, InterfaceError> {
+        let Some(window) = &self.window else { return Ok(history.to_vec()) };
+        let parts = split_history(history)?;
+        let part = |(point, part): (usize, &[f64])| {
+            if window.is_beside(point / 2) { vec![NONE] } else { part.to_vec() }
+        };
+        Ok(parts.into_iter().enumerate().flat_map(part).collect())
     }
 
     fn tracks_of(&self, history: &[f64]) -> Result<Vec<Option<Track>>, InterfaceError> {
@@ -501,7 +513,7 @@ impl FaceInterface {
                 return Err(InterfaceError::InvalidHistory { place });
             }
             anchor.check(index)?;
-            if let Some(&value) = [own.opening, own.limit].iter().find(|&&value| value != 0.0) {
+            if let Some(&value) = [own.opening, own.traction].iter().find(|&&value| value != 0.0) {
                 return Err(InterfaceError::InvalidOpening { index, value });
             }
             let origin = (anchor.stuck_at(), &of_facets);

@@ -68,8 +68,8 @@ impl Track {
         self
     }
 
-    pub fn with_limit(mut self, limit: f64) -> Self {
-        self.anchor.limit = limit;
+    pub fn with_traction(mut self, traction: f64) -> Self {
+        self.anchor.traction = traction;
         self
     }
 

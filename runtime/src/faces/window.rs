@@ -65,6 +65,11 @@ impl FaceWindow {
         }
     }
 
+    /// Whether faces at the k-th slave may not be there.
+    pub fn is_beside(&self, k: usize) -> bool {
+        self.of_nodes.get(k).is_some_and(Option::is_some)
+    }
+
     /// Takes over what [`look`](Self::look) found.
     pub fn take(&mut self, beyond: Vec<Option<NoContact>>) {
         self.beyond = beyond;

@@ -26,6 +26,17 @@ impl FrictionState {
     }
 }
 
+/// What a contact did when the last step was accepted.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum BeforeStep {
+    /// It carried nothing.
+    Open,
+    /// It stuck.
+    Stuck,
+    /// It slid, with this traction: force, over faces force per area.
+    Slid(f64),
+}
+
 /// The normal force of a contact and how it depends on the gap.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct NormalForce {
@@ -78,6 +89,9 @@ pub(crate) struct Sliding {
 }
 
 impl Sliding {
+    /// Of a contact without pressure.
+    pub const OPEN: Self = Self { state: FrictionState::Open, factor: 0.0, share: 1.0, kept: 1.0 };
+
     /// By how much the slip since where the contact stuck is none that the traction allows, length: all of it in stick, and what is not
     /// along the traction in slip. `elastic`: the slip that the law has.
     pub fn error(&self, elastic: Vector3, since_stuck: Vector3) -> f64 {
@@ -91,11 +105,20 @@ impl Sliding {
     }
 
     /// As [`FrictionForce::dissipated`], with areas per area.
-    pub fn dissipated(&self, slip: f64, before: f64) -> f64 {
-        match self.state {
-            FrictionState::Slip => 0.5 * (before + self.factor * slip) * ((1.0 - self.kept) * slip),
-            FrictionState::Open => 0.5 * before * slip,
-            FrictionState::Stick => 0.0,
+    pub fn dissipated(&self, slip: f64, before: BeforeStep) -> f64 {
+        let traction = self.factor * slip;
+        match (self.state, before) {
+            (FrictionState::Slip, before) => {
+                let first = match before {
+                    BeforeStep::Open => 0.0,
+                    // It begins to slide at the largest traction.
+                    BeforeStep::Stuck => traction,
+                    BeforeStep::Slid(traction) => traction,
+                };
+                0.5 * (first + traction) * ((1.0 - self.kept) * slip)
+            }
+            (FrictionState::Open, BeforeStep::Slid(traction)) => 0.5 * traction * slip,
+            (FrictionState::Open | FrictionState::Stick, _) => 0.0,
         }
     }
 }
@@ -110,10 +133,10 @@ impl FrictionForce {
         kept: 1.0,
     };
 
-    /// Work of the traction over what slid since the last step was accepted, for a slip s, energy: by the trapezoidal rule, with the
-    /// largest traction of `before`, that of the step's beginning. Of a contact that was open, or is open now, that is 0 at this end. So
-    /// the work of contacts that come and go adds up, whatever the steps.
-    pub fn dissipated(&self, slip: f64, before: f64) -> f64 {
+    /// Work of the traction over what slid since the last step was accepted, for a slip s, energy, by the trapezoidal rule. Of a contact that
+    /// closes, or slid and opens, it is half of the traction times the whole way, whatever part of that was in touch: so the work of contacts
+    /// that come and go adds up on average, however long the steps are.
+    pub fn dissipated(&self, slip: f64, before: BeforeStep) -> f64 {
         self.sliding().dissipated(slip, before)
     }
 

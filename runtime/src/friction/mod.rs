@@ -29,8 +29,8 @@ use diffuse_contact_kernels::{coulomb, coulomb_sliding, traction, traction_slidi
 
 pub use coefficient::{CoefficientValue, DecayingCoefficient, FrictionCoefficient, TabulatedCoefficient};
 pub use error::FrictionError;
+pub use force::{BeforeStep, FrictionForce, FrictionState, NormalForce};
 pub(crate) use force::{FaceTraction, Sliding};
-pub use force::{FrictionForce, FrictionState, NormalForce};
 
 use coefficient::{AtRate, SlipRate};
 
@@ -180,12 +180,6 @@ impl<'a> Coulomb<'a> {
             Coefficient::Constant(coefficient) => coefficient,
             Coefficient::Variable { law, area, .. } => law.coefficient(pressure / area, 0.0).or_nan().value,
         }
-    }
-
-    /// The largest friction of a contact at rest with this normal force ≥ 0, min(μ p, τ A); 0 for a coefficient that is none.
-    pub(crate) fn limit(&self, normal_force: f64) -> f64 {
-        let limit = (self.coefficient_of_rest(normal_force) * normal_force).min(self.shear_limit);
-        if limit.is_finite() { limit } else { 0.0 }
     }
 
     /// μ, with derivatives by the normal force, and the rate of a contact that has slid by w s in w Δt; `None` for a constant coefficient.
@@ -425,7 +419,7 @@ mod tests {
             let law = Coulomb::new(0.3, 100.0 + 0.1 * f64::from(k)).unwrap();
             let force = law.force(NormalForce { force: pressure, stiffness: 400.0 }, 1e-30);
             assert_eq!((force.state, force.share, force.kept), (FrictionState::Stick, 1.0, 1.0), "{k}");
-            assert_eq!((force.factor, force.dissipated(1e-15, pressure)), (law.stiffness(), 0.0));
+            assert_eq!((force.factor, force.dissipated(1e-15, BeforeStep::Stuck)), (law.stiffness(), 0.0));
         }
     }
 
@@ -441,7 +435,10 @@ mod tests {
             // The new slip has this traction. Of the mean traction the rest was work, if it slides.
             assert!((law.stiffness() * force.kept * slip - traction).abs() < 1e-14);
             let slid = if state == FrictionState::Slip { slip - traction / 100.0 } else { 0.0 };
-            assert!((force.dissipated(slip, 0.0) - 0.5 * traction * slid).abs() < 1e-15, "{slip}");
+            assert!(
+                (force.dissipated(slip, BeforeStep::Open) - 0.5 * traction * slid).abs() < 1e-15,
+                "{slip}"
+            );
         }
         // At the touch there is no friction.
         let touch = NormalForce { force: 1e-9, ..NORMAL };
@@ -459,15 +456,32 @@ mod tests {
             let mut sum = 0.0;
             for start in 0..100 {
                 let ends = (0..).map(|k| -5.0 + step * (k as f64 + f64::from(start) / 100.0));
-                let mut before = 0.0;
+                let mut before = BeforeStep::Open;
                 for end in ends.take_while(|end| *end < 5.0) {
                     let normal = NormalForce { force: pressure(end), stiffness: 400.0 };
-                    sum += law.force(normal, 0.5 * step * step).dissipated(step, before) / 100.0;
-                    before = law.limit(normal.force);
+                    let force = law.force(normal, 0.5 * step * step);
+                    sum += force.dissipated(step, before) / 100.0;
+                    before = match force.state {
+                        FrictionState::Slip => BeforeStep::Slid(force.factor * step),
+                        _ => BeforeStep::Open,
+                    };
                 }
             }
             assert!((sum / exact - 1.0).abs() < 0.02, "{step} {sum} {exact}");
         }
+    }
+
+    /// Half of what a contact slides on for until it opens counts, and nothing of what it is carried after it stuck.
+    #[test]
+    fn work_ends_where_contact_does() {
+        let law = Coulomb::new(0.3, 100.0).unwrap();
+        let open = law.force(NormalForce { force: 0.0, ..NORMAL }, 0.5);
+        let work = |before| open.dissipated(1.0, before);
+        assert_eq!([BeforeStep::Open, BeforeStep::Stuck, BeforeStep::Slid(3.0)].map(work), [0.0, 0.0, 1.5]);
+        // At a constant pressure it does not matter whether the contact slid before.
+        let sliding = law.force(NORMAL, 0.5);
+        let work = |before| sliding.dissipated(1.0, before);
+        assert_eq!(work(BeforeStep::Stuck), work(BeforeStep::Slid(sliding.factor)));
     }
 
     #[test]

@@ -8,6 +8,7 @@ use super::fold::AnchorSource;
 use super::pairings::Paired;
 use crate::AffinePoint;
 use crate::affine::Carrier;
+use crate::friction::BeforeStep;
 use crate::surface::window::LARGEST_NUMBER;
 use crate::surface::{MasterSurface, NONE, Symmetry};
 
@@ -19,9 +20,8 @@ pub struct Anchor {
     /// How far the contact was from carrying force if it was open, length: the gap, but for [normal laws](crate::assembly::NormalLaw::onset)
     /// whose pressure begins elsewhere; else 0. The slip of a contact that closes begins at the place of touch.
     pub opening: f64,
-    /// The largest friction that the contact could bear then if it was closed, min(μ p, τ A), force; over faces force per area. 0 if it was
-    /// open. The work of friction in the next step begins with it.
-    pub limit: f64,
+    /// The friction of a contact that slid then, force, over faces force per area; else 0. The work of the next step begins with it.
+    pub traction: f64,
     /// With augmentation: where the slave stuck. The way from here to `point` is the tangential multiplier over ε_T. `None`: at `point`.
     pub origin: Option<AffinePoint>,
 }
@@ -29,13 +29,22 @@ pub struct Anchor {
 impl Anchor {
     /// Of a slave that stuck at this point.
     pub const fn new(point: AffinePoint) -> Self {
-        Self { point, opening: 0.0, limit: 0.0, origin: None }
+        Self { point, opening: 0.0, traction: 0.0, origin: None }
     }
 
-    /// Whether opening and limit are finite and not negative, and not both more than 0.
+    /// Of what the work of the next step begins with.
+    pub(crate) fn before_step(&self) -> BeforeStep {
+        match (self.opening > 0.0, self.traction > 0.0) {
+            (true, _) => BeforeStep::Open,
+            (false, true) => BeforeStep::Slid(self.traction),
+            (false, false) => BeforeStep::Stuck,
+        }
+    }
+
+    /// Whether opening and traction are finite and not negative, and not both more than 0.
     pub(crate) fn check(&self, index: usize) -> Result<(), InterfaceError> {
-        let Self { opening, limit, .. } = *self;
-        for (value, other) in [(opening, limit), (limit, opening)] {
+        let Self { opening, traction, .. } = *self;
+        for (value, other) in [(opening, traction), (traction, opening)] {
             if !(value >= 0.0 && value.is_finite() && (value == 0.0 || other == 0.0)) {
                 return Err(InterfaceError::InvalidOpening { index, value });
             }
@@ -54,13 +63,14 @@ impl Anchor {
     }
 }
 
-/// Anchors as plain numbers, slave after slave: the number of carriers, the opening less the limit, of which one is 0, then node, number of the image (−1: none)
+/// Anchors as plain numbers, slave after slave: the number of carriers, the opening less the traction, of which
+/// one is 0, then node, number of the image (−1: none)
 /// and weight of each carrier; −1 for a slave without an anchor. Before an anchor with an origin there are −2 and the origin: the number
 /// of its carriers, and the carriers. `number_of`: what a node is called.
 pub fn to_numbers(anchors: &[Option<Anchor>], number_of: impl Fn(u32) -> f64) -> Vec<f64> {
     let mut numbers = Vec::new();
     for anchor in anchors {
-        let Some(Anchor { point, opening, limit, origin }) = anchor else {
+        let Some(Anchor { point, opening, traction, origin }) = anchor else {
             numbers.push(-1.0);
             continue;
         };
@@ -68,7 +78,7 @@ pub fn to_numbers(anchors: &[Option<Anchor>], number_of: impl Fn(u32) -> f64) ->
             numbers.extend([-2.0, origin.terms().len() as f64]);
             push_terms(origin, &number_of, &mut numbers);
         }
-        numbers.extend([point.terms().len() as f64, opening - limit]);
+        numbers.extend([point.terms().len() as f64, opening - traction]);
         push_terms(point, &number_of, &mut numbers);
     }
     numbers
@@ -123,10 +133,10 @@ pub fn from_numbers(
             place += 2 + 3 * count;
         }
         let count = index(place)? as usize;
-        let opening = numbers.get(place + 1).copied().ok_or_else(|| none(place + 1))?;
+        let difference = numbers.get(place + 1).copied().ok_or_else(|| none(place + 1))?;
         let point = point(anchors.len(), place + 2, count)?;
-        let (opening, limit) = if opening < 0.0 { (0.0, -opening) } else { (opening, 0.0) };
-        anchors.push(Some(Anchor { point, opening, limit, origin }));
+        let (opening, traction) = if difference < 0.0 { (0.0, -difference) } else { (difference, 0.0) };
+        anchors.push(Some(Anchor { point, opening, traction, origin }));
         place += 2 + 3 * count;
     }
     Ok(anchors)

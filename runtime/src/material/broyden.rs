@@ -71,7 +71,7 @@ impl<T: Lane> Inverse<T> {
 }
 
 impl<T: Vector> Lanes<'_, T> {
-    /// A few steps.
+    /// A few steps, and of lanes whose place is [far](FAR) from where they began a few more.
     #[inline(always)]
     pub fn search(&self, fitting: &impl Fitting) -> Searched<T> {
         let zero = [T::ZERO; 3];
@@ -79,12 +79,42 @@ impl<T: Vector> Lanes<'_, T> {
         let first = self.evaluate::<true>(zero, None, fitting);
         let is_step = T::select_less(first.deviation, T::splat(f64::INFINITY), T::ONE, T::ZERO);
         let start = choose(is_step, first.step, zero);
+        let found = self.few_steps((start, T::ONE), fitting);
+        let is_far = T::select_less(self.way(found.place, start), T::splat(FAR), T::ZERO, found.is_found);
+        if T::all_less(is_far, T::splat(0.5)) {
+            return found;
+        }
+        let middle_of = |lane: usize| {
+            let largest = self.near.iter().fold(0.0, |largest: f64, x| largest.max(x.lane(lane).abs()));
+            middle_of_cell(found.place.map(|x| x.lane(lane)), largest)
+        };
+        let middle = [0, 1, 2].map(|axis| T::from_fn(|lane| middle_of(lane)[axis]));
+        let again = self.few_steps((middle, is_far), fitting);
+        let is_near = T::select_less(self.way(again.place, middle), T::splat(FAR), again.is_found, T::ZERO);
+        Searched {
+            is_found: T::select_less(T::splat(0.5), is_far, is_near, found.is_found),
+            place: choose(is_far, again.place, found.place),
+            normal: choose(is_far, again.normal, found.normal),
+            mean: choose(is_far, again.mean, found.mean),
+            evaluations: found.evaluations + again.evaluations,
+        }
+    }
+
+    /// The length of a way between two places in the metric of the nearest node.
+    #[inline(always)]
+    fn way(&self, to: [T; 3], from: [T; 3]) -> T {
+        square(self.near, each!(i => to[i] - from[i])).sqrt()
+    }
+
+    /// From this place on, of the lanes that are asked for: 1, or 0.
+    #[inline(always)]
+    fn few_steps(&self, (start, is_asked): ([T; 3], T), fitting: &impl Fitting) -> Searched<T> {
         let mut now = self.evaluate::<false>(start, None, fitting);
         let mut place = start;
         let mut inverse = Inverse::<T>::IDENTITY;
         let converged = T::splat(ROUNDING);
         let mut is_found = T::select_less(now.deviation, converged, T::ONE, T::ZERO);
-        let mut is_open = T::select_less(now.deviation, converged, T::ZERO, T::ONE);
+        let mut is_open = T::select_less(now.deviation, converged, T::ZERO, is_asked);
         let mut evaluations = 2;
         while evaluations < MOST_STEPS + 2 && !T::all_less(is_open, T::splat(0.5)) {
             evaluations += 1;
@@ -108,10 +138,14 @@ impl<T: Vector> Lanes<'_, T> {
                 mean: choose(is_closer, after.mean, now.mean),
             };
         }
-        let way = square(self.near, each!(i => place[i] - start[i])).sqrt();
-        is_found = T::select_less(way, T::splat(FAR), is_found, T::ZERO);
         Searched { is_found, place, normal: now.normal, mean: now.mean, evaluations }
     }
+}
+
+/// The middle of the cell around a place, for the largest entry of a metric.
+fn middle_of_cell(place: [f64; 3], largest: f64) -> [f64; 3] {
+    let cell = CELL / largest;
+    place.map(|x| ((x / cell - SHIFT).floor() + SHIFT + 0.5) * cell)
 }
 
 impl Lanes<'_, f64> {
@@ -130,8 +164,7 @@ impl Lanes<'_, f64> {
         if distance(begun) < FAR {
             return Ok(found);
         }
-        let cell = CELL / self.largest_metric();
-        let near = found.place.map(|x| ((x / cell - SHIFT).floor() + SHIFT + 0.5) * cell);
+        let near = middle_of_cell(found.place, self.largest_metric());
         Ok(self.search_from(near, fitting).ok().filter(|again| distance(again.place) < FAR).unwrap_or(found))
     }
 

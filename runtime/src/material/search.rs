@@ -291,6 +291,29 @@ mod tests {
         }
     }
 
+    /// High over a curved sheet places are far from where their search begins: lanes begin once more nearby.
+    #[test]
+    fn lanes_find_far_places() {
+        let mut scene = Scene::default();
+        for k in 0..13 {
+            scene.add(k, 0.4 + 0.1 * k as f64, 1);
+        }
+        for isa in Isa::available() {
+            let found = scene.found(isa, &scene.slaves);
+            let count = found.iter().flatten().count();
+            assert!(count > 10, "{isa}: {count}");
+            for (slave, found) in scene.slaves.iter().zip(found) {
+                let Ok(found) = found else { continue };
+                let nodes = (&scene.masters[..], &scene.domains[..]);
+                let fitting = OfKernels::<Cubic>(PhantomData);
+                let expected = place(slave, nodes, &fitting, &mut Vec::new()).unwrap();
+                for axis in 0..3 {
+                    assert!((found.place[axis] - expected.place[axis]).abs() < 1e-11, "{isa}");
+                }
+            }
+        }
+    }
+
     #[test]
     fn neither_other_lanes_nor_nodes_out_of_reach_change_a_bit() {
         let (mut few, mut many) = (Scene::default(), Scene::default());

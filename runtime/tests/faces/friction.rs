@@ -294,7 +294,7 @@ fn an_accepted_step_leaves_the_tractions_of_its_end() {
     for (element, (pair, faces)) in of_first.chain(of_second_order) {
         let mut own = interface(&pair, element, &faces);
         let expected = own.evaluate(&law(), Mode::Value).unwrap().nodes().to_vec();
-        // How far each node was open at the end of the step before, and its largest traction.
+        // How far each node was open at the end of the step before, and its traction if it slid.
         let before = |history: &[f64]| -> Vec<[f64; 2]> {
             let parts = split_history(history).unwrap();
             let anchors = parts.iter().skip(1).step_by(2).map(|anchor| anchor.get(1).copied().unwrap_or(0.0));
@@ -307,14 +307,32 @@ fn an_accepted_step_leaves_the_tractions_of_its_end() {
             .map(|(node, [opening, before])| {
                 let now = 0.3 * node.pressure;
                 let way = node.slip * (1.0 + 50.0 * opening / node.pressure);
-                0.5 * (before + now) * node.area * (way - now / STIFFNESS)
+                let first = if opening == 0.0 && before == 0.0 { now } else { before };
+                0.5 * (first + now) * node.area * (way - now / STIFFNESS)
             })
             .sum();
         let report = own.accept(&law()).unwrap();
         assert!(slid > 0.1 && (report.dissipated - slid).abs() < 1e-13, "{slid} {}", report.dissipated);
-        for (node, [_, limit]) in expected.iter().zip(before(&own.history())) {
-            assert!((limit - 0.3 * node.pressure).abs() <= 1e-12 * limit, "{node:?} {limit}");
+        for (node, [_, traction]) in expected.iter().zip(before(&own.history())) {
+            let slides = node.friction_state == FrictionState::Slip;
+            let exact = if slides { 0.3 * node.pressure } else { 0.0 };
+            assert!((traction - exact).abs() <= 1e-12 * exact, "{node:?} {traction}");
         }
+
+        // Lifted and carried away, what stuck does no work, and what slid half of its traction over the way.
+        let own_nodes = own.slaves().to_vec();
+        let mut carried = moved(&pair, 1.0);
+        carried[pair.first_slave..].iter_mut().for_each(|x| (x[0], x[2]) = (x[0] + 0.02, x[2] + 0.3));
+        let mut lifted = interface(&pair, element, &faces);
+        lifted.set_history(&own.history()).unwrap();
+        lifted.refresh(&carried).unwrap();
+        assert_eq!(lifted.evaluate(&law(), Mode::Value).unwrap().active(), 0);
+        let slid: f64 = expected
+            .iter()
+            .map(|node| f64::from(node.friction_state == FrictionState::Slip) * 0.3 * node.force())
+            .sum();
+        let work = lifted.accept(&law()).unwrap().dissipated;
+        assert!(work > 0.5 * slid * 0.01 && work < 0.5 * slid * 0.04, "{work} {slid} {own_nodes:?}");
         assert!(report.sliding > 4 && report.stuck > 0);
 
         own.refresh(&moved(&pair, 1.0)).unwrap();

@@ -1,6 +1,6 @@
 //! Slaves that start in touch: moved onto the master before there is any strain.
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 
 use diffuse_contact::{Mode, Point};
 use thiserror::Error;
@@ -111,8 +111,22 @@ fn within(
     limit: f64,
 ) -> Result<(BTreeSet<usize>, usize), AdjustError> {
     let (mut movable, mut held, mut count) = (BTreeSet::new(), 0, 0);
-    let is_near = |slave: &SlaveState| slave.gap.is_some() && slave.average_gap.abs() <= limit;
-    for (k, slave) in interaction.slaves().enumerate().filter(|(_, slave)| is_near(slave)) {
+    // Of the sheets of a node the one that is closest.
+    let mut closest: BTreeMap<usize, (f64, usize)> = BTreeMap::new();
+    for (k, slave) in interaction.slaves().enumerate().filter(|(_, slave)| slave.gap.is_some()) {
+        let own = (slave.average_gap.abs(), k);
+        closest
+            .entry(slave.node)
+            .and_modify(|least| {
+                if own.0 < least.0 {
+                    *least = own
+                }
+            })
+            .or_insert(own);
+    }
+    let closest: BTreeSet<usize> =
+        closest.into_values().filter(|&(gap, _)| gap <= limit).map(|(_, k)| k).collect();
+    for (k, slave) in interaction.slaves().enumerate().filter(|(k, _)| closest.contains(k)) {
         let (node, size) = (slave.node, interaction.facet_size_at(slave.node));
         count += 1;
         if free_part(&slave, free) >= LEAST_FREE {

@@ -1,6 +1,6 @@
 //! How the slaves of an interaction lie before the first increment.
 
-use std::collections::HashSet;
+use std::collections::{BTreeSet, HashSet};
 
 use diffuse_contact::Point;
 use diffuse_contact::faces::QuadraticFace;
@@ -134,8 +134,8 @@ impl Beginning {
             (adjusted.interface == options.name)
                 .then(|| (0..3).map(|axis| (to[axis] - from[axis]).powi(2)).sum::<f64>().sqrt())
         };
-        let ways = interaction.slaves().filter_map(|slave| way(slave.node));
-        let ways: Vec<f64> = ways.filter(|&way| way > 0.0).collect();
+        let nodes: BTreeSet<usize> = interaction.slaves().map(|slave| slave.node).collect();
+        let ways: Vec<f64> = nodes.into_iter().filter_map(way).filter(|&way| way > 0.0).collect();
         let [serendipity, quadratic_triangles, lagrange] = unsuited_faces(interaction, model);
         Self {
             penalty: options.penalty,

@@ -34,8 +34,8 @@ struct Share {
 enum Area {
     /// The part of the node's area over the master, length². What several interactions cover may be the same.
     Covered(f64),
-    /// The same of a node of a face of second order or of one sheet of several, which has no tributary area to compare it with.
-    CoveredAlone(f64),
+    /// The same of a node of a face of second order, which has no tributary area to compare it with.
+    CoveredByOrder(f64),
     /// That of the slave's nodes.
     Tributary,
     /// Over faces, where nothing lies over those around the node: what others of its faces carry.
@@ -64,17 +64,26 @@ impl Loads {
         // A node on a sharp edge of the slave is there once for each sheet.
         let mut sheets: HashMap<usize, usize> = HashMap::new();
         interaction.slaves().for_each(|slave| *sheets.entry(slave.node).or_default() += 1);
+        let mut of_sheets: BTreeMap<usize, (f64, [f64; 3], f64)> = BTreeMap::new();
         for slave in interaction.slaves() {
             let SlaveState { node, area, .. } = slave;
             let covered = |of: fn(f64) -> Area| match slave.gap {
                 Some(_) if area > 0.0 => of(area),
                 _ => Area::Beside,
             };
-            let is_by_sheet = on_quadratic.contains(&node) || sheets[&node] > 1;
-            let (normal, friction, area) = if is_over_faces && is_by_sheet {
-                // Forces of faces of second order are no pressures: corners may have none. Those on an edge are of all its sheets.
+            let (normal, friction, area) = if is_over_faces && on_quadratic.contains(&node) {
+                // Forces of faces of second order are no pressures: corners may have none.
                 let friction = slave.friction.map(|force| passes * force);
-                (passes * slave.force, friction, covered(Area::CoveredAlone))
+                (passes * slave.force, friction, covered(Area::CoveredByOrder))
+            } else if is_over_faces && sheets[&node] > 1 {
+                // Its forces are those of all sheets. What is pressed has the area of those that press.
+                if slave.force > 0.0 {
+                    let sum = of_sheets.entry(node).or_default();
+                    sum.0 += passes * slave.force;
+                    sum.2 += area;
+                    sum.1.iter_mut().zip(slave.friction).for_each(|(sum, force)| *sum += passes * force);
+                }
+                continue;
             } else {
                 let area = if is_over_faces { covered(Area::Covered) } else { Area::Tributary };
                 let friction = forces.friction[node];
@@ -84,6 +93,10 @@ impl Loads {
                 let share = Share { interaction: number, normal, friction, area };
                 self.nodes.entry(node).or_default().push(share);
             }
+        }
+        for (node, (normal, friction, area)) in of_sheets {
+            let share = Share { interaction: number, normal, friction, area: Area::Covered(area) };
+            self.nodes.entry(node).or_default().push(share);
         }
     }
 
@@ -100,7 +113,7 @@ impl Loads {
                         covered += own;
                         covering.push(interaction);
                     }
-                    Area::CoveredAlone(own) => area += own,
+                    Area::CoveredByOrder(own) => area += own,
                     Area::Tributary => tributary.push(interaction),
                     Area::Beside => beside.push(interaction),
                 }

@@ -4,7 +4,7 @@ use std::f64::consts::{PI, TAU};
 
 use diffuse_contact::interface::{ContactElement, InterfaceOptions, Outcome};
 use diffuse_contact::neighbourhood::{NeighbourRule, SearchOptions};
-use diffuse_contact::surface::Facet;
+use diffuse_contact::surface::{Facet, SymmetryPlane};
 use diffuse_contact::{Mode, Point};
 
 use crate::common::{Mesh, Scene, Uniform};
@@ -91,6 +91,19 @@ fn on_coarse_rollers_it_is_that_of_the_place() {
         });
         let [kept, _] = walk(&roller, InterfaceOptions::default(), [0.95, 0.0, 0.1], [0.08, 0.5, 0.1], 0.01);
         assert_eq!(kept > 0, sides == 16, "{sides}: {kept}");
+    }
+}
+
+/// So it is where facets meet only their images, as those of a roof that is cut along its ridge.
+#[test]
+fn on_coarse_facets_beside_a_plane_of_symmetry_it_is_that_of_the_place() {
+    for (slope, lists_are_kept) in [(0.3, false), (0.1, true)] {
+        let roof = Mesh::grid([6, 6], [false; 2], |s, t| [6.0 * s, 6.0 * t, -6.0 * slope * s]);
+        let mut scene = roof.paired(&[[0.3, 3.1, 0.05]], InterfaceOptions::default());
+        scene.interface.set_symmetry(&[SymmetryPlane::across(0, [0.0; 3])]).unwrap();
+        assert_eq!(scene.refresh().paired, 1);
+        scene.move_slaves(&[[0.301, 3.1, 0.05]]);
+        assert_eq!(scene.refresh().kept > 0, lists_are_kept, "{slope}");
     }
 }
 

@@ -7,7 +7,7 @@ use super::pairings::Record;
 use super::refresh::{FARTHEST_BEYOND, Refresh, RefreshScratch};
 use super::{ContactElement, NoContact};
 use crate::neighbourhood::{Fallback, NeighbourhoodError};
-use crate::surface::{Carried, Closest, Listed, NONE};
+use crate::surface::{Carried, Closest, Listed, NONE, Symmetry};
 use crate::vector::Vector3;
 use crate::{Basis, Point, Weight};
 
@@ -131,16 +131,23 @@ impl Refresh<'_> {
 }
 
 impl Refresh<'_> {
-    /// Whether facets around this one meet, with no sharp edge in between, at an angle at which a slave's place moves farther than the slave.
-    fn is_coarse(&self, facet: u32) -> bool {
+    /// Whether facets around this one meet one another or their images, with no sharp edge in between, at an angle at which a slave's place
+    /// moves farther than the slave.
+    fn is_coarse(&self, facet: u32, symmetry: &Symmetry) -> bool {
         let Evaluator { surface, creases, .. } = self.evaluator;
         let normals = self.index.normals();
+        let cosine = |one: u32, edge: usize, other: u32| match other {
+            NONE => {
+                let ends = self.index.shape(one).edge(edge).map(Point::from);
+                symmetry.cosine_across(ends, normals[one as usize])
+            }
+            other => normals[one as usize].dot(&normals[other as usize]),
+        };
         let around = surface.corners_of(facet as usize).iter();
         around.flat_map(|&place| surface.facets_of_place(place as usize)).any(|&one| {
             let across = surface.across(one as usize).iter().enumerate();
-            let mut within =
-                across.filter(|&(edge, &other)| other != NONE && !creases.ends_at(one as usize, edge));
-            within.any(|(_, &other)| !(normals[one as usize].dot(&normals[other as usize]) >= COARSE))
+            let mut within = across.filter(|&(edge, _)| !creases.ends_at(one as usize, edge));
+            within.any(|(edge, &other)| !(cosine(one, edge, other) >= COARSE))
         })
     }
 
@@ -163,7 +170,7 @@ impl Refresh<'_> {
         let skin = match record {
             // Where no node is listed it is infinite.
             // At the very positions the list is what it was.
-            Ok(Record { facet, .. }) if self.facets.is_none() && self.is_coarse(*facet) => {
+            Ok(Record { facet, .. }) if self.facets.is_none() && self.is_coarse(*facet, &nodal.symmetry) => {
                 return f64::MIN_POSITIVE;
             }
             Ok(Record { support_radius, facet, .. }) if support_radius.is_finite() => {

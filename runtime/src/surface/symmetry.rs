@@ -278,6 +278,13 @@ impl Symmetry {
         without(&axes, direction)
     }
 
+    /// The cosine of the angle between a facet and its image across a plane that holds an edge of it; 1 without one.
+    pub fn cosine_across(&self, ends: [Point; 2], normal: Vector3) -> f64 {
+        let is_in = |plane: &&SymmetryPlane| ends.iter().all(|&x| plane.distance(x).abs() <= self.tolerance);
+        let out_of = |plane: &SymmetryPlane| normal.dot(&Vector3::from(plane.normal));
+        self.planes.iter().filter(is_in).map(|plane| 1.0 - 2.0 * out_of(plane).powi(2)).fold(1.0, f64::min)
+    }
+
     /// Whether both ends of an edge lie in one of the planes: the surface does not end there.
     pub fn holds_edge(&self, ends: [Point; 2]) -> bool {
         self.planes.iter().any(|plane| ends.iter().all(|&x| plane.distance(x).abs() <= self.tolerance))

@@ -206,13 +206,13 @@ impl FaceInterface {
                 }
                 _ => None,
             };
-            let mut slides_with = 0.0;
+            let mut limit = law.friction.as_ref().map_or(0.0, |friction| friction.limit(node.pressure));
             if let (Some(Traction { value, sliding, slip, .. }), Some(old)) = (&traction, closed) {
                 report.stuck += usize::from(sliding.state == FrictionState::Stick);
                 report.sliding += usize::from(sliding.state == FrictionState::Slip);
                 report.dissipated += node.area * sliding.dissipated(slip.norm(), old.anchor.before_step());
                 if sliding.state == FrictionState::Slip {
-                    slides_with = Vector3::from(*value).norm();
+                    limit = Vector3::from(*value).norm();
                 }
             } else if let Some(old) = old.filter(|_| is_open) {
                 let way = self.since_stuck(node, normals[k], old).norm();
@@ -221,7 +221,7 @@ impl FaceInterface {
             let track = match (closed, &traction) {
                 (Some(old), Some(Traction { sliding, .. })) if sliding.kept == 1.0 => {
                     let origin = old.anchor.origin.clone().filter(|_| is_augmented);
-                    old.clone().with_origin(origin).with_traction(slides_with)
+                    old.clone().with_origin(origin).with_limit(limit, false)
                 }
                 (old, traction) => {
                     let (kept, slip) =
@@ -238,7 +238,7 @@ impl FaceInterface {
                     let stuck = || drawn.clone().with_slip(Vector3::zeros(), normals[k], &self.positions);
                     let origin = (slides && is_augmented).then(|| stuck().anchor.point);
                     let drawn = drawn.with_slip(slip * kept, normals[k], &self.positions);
-                    drawn.with_opening(opening).with_traction(slides_with).with_origin(origin)
+                    drawn.with_opening(opening).with_limit(limit, slides).with_origin(origin)
                 }
             };
             tracks.push(Some(track));
@@ -513,7 +513,7 @@ impl FaceInterface {
                 return Err(InterfaceError::InvalidHistory { place });
             }
             anchor.check(index)?;
-            if let Some(&value) = [own.opening, own.traction].iter().find(|&&value| value != 0.0) {
+            if let Some(&value) = [own.opening, own.limit].iter().find(|&&value| value != 0.0) {
                 return Err(InterfaceError::InvalidOpening { index, value });
             }
             let origin = (anchor.stuck_at(), &of_facets);

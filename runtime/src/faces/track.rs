@@ -47,7 +47,8 @@ impl Track {
     /// (1 − t) of this and t of another one.
     pub fn towards(&self, other: &Self, t: f64) -> Self {
         let point = self.anchor.point.towards(&other.anchor.point, t);
-        Self { own: self.own.towards(&other.own, t), anchor: Anchor { point, origin: None, ..self.anchor } }
+        let anchor = Anchor { point, origin: None, ..self.anchor };
+        Self { own: self.own.towards(&other.own, t), anchor }
     }
 
     pub fn with_origin(mut self, origin: Option<AffinePoint>) -> Self {
@@ -68,8 +69,8 @@ impl Track {
         self
     }
 
-    pub fn with_traction(mut self, traction: f64) -> Self {
-        self.anchor.traction = traction;
+    pub fn with_limit(mut self, limit: f64, slid: bool) -> Self {
+        (self.anchor.limit, self.anchor.slid) = (limit, slid);
         self
     }
 

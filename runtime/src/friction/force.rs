@@ -31,9 +31,9 @@ impl FrictionState {
 pub enum BeforeStep {
     /// It carried nothing.
     Open,
-    /// It stuck.
-    Stuck,
-    /// It slid, with this traction: force, over faces force per area.
+    /// It stuck, and could have borne this friction: force, over faces force per area.
+    Stuck(f64),
+    /// It slid, with this friction.
     Slid(f64),
 }
 
@@ -111,9 +111,7 @@ impl Sliding {
             (FrictionState::Slip, before) => {
                 let first = match before {
                     BeforeStep::Open => 0.0,
-                    // It begins to slide at the largest traction.
-                    BeforeStep::Stuck => traction,
-                    BeforeStep::Slid(traction) => traction,
+                    BeforeStep::Stuck(limit) | BeforeStep::Slid(limit) => limit,
                 };
                 0.5 * (first + traction) * ((1.0 - self.kept) * slip)
             }

@@ -182,6 +182,15 @@ impl<'a> Coulomb<'a> {
         }
     }
 
+    /// The largest friction that a contact at rest bears with this normal force, min(μ p, τ A); 0 where there is none.
+    pub(crate) fn limit(&self, normal_force: f64) -> f64 {
+        if !(normal_force > 0.0) {
+            return 0.0;
+        }
+        let limit = self.coefficient_of_rest(normal_force) * normal_force;
+        if limit.is_finite() { limit.min(self.shear_limit) } else { 0.0 }
+    }
+
     /// μ, with derivatives by the normal force, and the rate of a contact that has slid by w s in w Δt; `None` for a constant coefficient.
     fn sliding_coefficient(&self, pressure: f64, slip: f64, share: f64) -> Option<(AtRate, f64)> {
         let Coefficient::Variable { law, duration, area } = self.coefficient else { return None };
@@ -419,7 +428,10 @@ mod tests {
             let law = Coulomb::new(0.3, 100.0 + 0.1 * f64::from(k)).unwrap();
             let force = law.force(NormalForce { force: pressure, stiffness: 400.0 }, 1e-30);
             assert_eq!((force.state, force.share, force.kept), (FrictionState::Stick, 1.0, 1.0), "{k}");
-            assert_eq!((force.factor, force.dissipated(1e-15, BeforeStep::Stuck)), (law.stiffness(), 0.0));
+            assert_eq!(
+                (force.factor, force.dissipated(1e-15, BeforeStep::Stuck(pressure))),
+                (law.stiffness(), 0.0)
+            );
         }
     }
 
@@ -463,7 +475,7 @@ mod tests {
                     sum += force.dissipated(step, before) / 100.0;
                     before = match force.state {
                         FrictionState::Slip => BeforeStep::Slid(force.factor * step),
-                        _ => BeforeStep::Open,
+                        FrictionState::Open | FrictionState::Stick => BeforeStep::Open,
                     };
                 }
             }
@@ -477,11 +489,33 @@ mod tests {
         let law = Coulomb::new(0.3, 100.0).unwrap();
         let open = law.force(NormalForce { force: 0.0, ..NORMAL }, 0.5);
         let work = |before| open.dissipated(1.0, before);
-        assert_eq!([BeforeStep::Open, BeforeStep::Stuck, BeforeStep::Slid(3.0)].map(work), [0.0, 0.0, 1.5]);
-        // At a constant pressure it does not matter whether the contact slid before.
+        assert_eq!(
+            [BeforeStep::Open, BeforeStep::Stuck(3.0), BeforeStep::Slid(3.0)].map(work),
+            [0.0, 0.0, 1.5]
+        );
+        // One that stuck slides at what it could bear.
         let sliding = law.force(NORMAL, 0.5);
         let work = |before| sliding.dissipated(1.0, before);
-        assert_eq!(work(BeforeStep::Stuck), work(BeforeStep::Slid(sliding.factor)));
+        assert_eq!(work(BeforeStep::Stuck(2.0)), work(BeforeStep::Slid(2.0)));
+        assert_eq!(law.limit(NORMAL.force), sliding.factor);
+    }
+
+    /// A coefficient that is none at rest, as one with a pole at no pressure, is no work.
+    #[test]
+    fn a_coefficient_that_is_none_limits_nothing() {
+        #[derive(Debug)]
+        struct Pole;
+        impl FrictionCoefficient for Pole {
+            fn coefficient(&self, pressure: f64, _: f64) -> CoefficientValue {
+                CoefficientValue {
+                    value: 1.0 / pressure,
+                    by_pressure: -1.0 / (pressure * pressure),
+                    by_rate: 0.0,
+                }
+            }
+        }
+        let law = Coulomb::variable(&Pole, 1.0, 100.0).unwrap();
+        assert_eq!([0.0, f64::NAN, 2.0].map(|pressure| law.limit(pressure)), [0.0, 0.0, 1.0]);
     }
 
     #[test]

@@ -345,7 +345,12 @@ impl Evaluator<'_> {
             Some(origin) if is_open => self.slip_from(origin, &slip.contact.point()).norm(),
             _ => slip.length(),
         };
-        Ok(f(&Sticking { k, old, is_open, opening, force, way, slip: &slip, terms }))
+        let limit = match (force, &law.friction) {
+            (Some(force), _) if force.state == FrictionState::Slip => force.factor * slip.length(),
+            (_, Some(friction)) => friction.over(area).limit(pressed.force),
+            (_, None) => 0.0,
+        };
+        Ok(f(&Sticking { k, old, is_open, opening, limit, force, way, slip: &slip, terms }))
     }
 
     /// The slip of a diffuse element, and the carriers of its foot.
@@ -400,7 +405,8 @@ impl Evaluator<'_> {
         let origin = old.stuck_at().towards(&foot, 1.0 - sliding.share);
         let parts = [(&origin, 1.0), (&old.point, sliding.kept), (&foot, -sliding.kept)];
         let point = AffinePoint::combined(&parts);
-        let anchor = Anchor { point, opening: 0.0, traction: old.traction, origin: Some(origin) };
+        let Anchor { limit, slid, .. } = *old;
+        let anchor = Anchor { point, opening: 0.0, limit, slid, origin: Some(origin) };
         Some(Round { anchor, error })
     }
 }
@@ -412,6 +418,8 @@ struct Sticking<'a> {
     is_open: bool,
     /// How far an open contact is from carrying force, length; else 0.
     opening: f64,
+    /// The largest friction that it can bear, force; 0 if it is open.
+    limit: f64,
     force: Option<FrictionForce>,
     /// What it slid, length; of one that opens since where it stuck.
     way: f64,
@@ -435,7 +443,7 @@ struct Round {
 }
 
 fn accept_one(slave: &Sticking<'_>, is_augmented: bool) -> Option<Accepted> {
-    let &Sticking { old, is_open, opening, force, way, slip, .. } = slave;
+    let &Sticking { old, is_open, opening, limit, force, way, slip, .. } = slave;
     let kept = force.map_or(0.0, |force| force.kept);
     let (point, origin) = match old {
         Some(old) if kept == 1.0 && !is_open => {
@@ -450,9 +458,8 @@ fn accept_one(slave: &Sticking<'_>, is_augmented: bool) -> Option<Accepted> {
         }
     };
     let sliding = force.filter(|force| force.state == FrictionState::Slip);
-    let traction = sliding.map_or(0.0, |force| force.factor * slip.length());
     Some(Accepted {
-        anchor: Anchor { point, opening, traction, origin },
+        anchor: Anchor { point, opening, limit, slid: sliding.is_some(), origin },
         state: force.map(|force| force.state),
         is_open,
         dissipated: force.zip(old).map_or(0.0, |(force, old)| force.dissipated(way, old.before_step())),

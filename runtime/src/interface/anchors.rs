@@ -20,8 +20,11 @@ pub struct Anchor {
     /// How far the contact was from carrying force if it was open, length: the gap, but for [normal laws](crate::assembly::NormalLaw::onset)
     /// whose pressure begins elsewhere; else 0. The slip of a contact that closes begins at the place of touch.
     pub opening: f64,
-    /// The friction of a contact that slid then, force, over faces force per area; else 0. The work of the next step begins with it.
-    pub traction: f64,
+    /// The largest friction of a contact that was closed then, min(μ p, τ A), force; over faces force per area. The work of the next step
+    /// begins with it.
+    pub limit: f64,
+    /// Whether it slid then.
+    pub slid: bool,
     /// With augmentation: where the slave stuck. The way from here to `point` is the tangential multiplier over ε_T. `None`: at `point`.
     pub origin: Option<AffinePoint>,
 }
@@ -29,22 +32,22 @@ pub struct Anchor {
 impl Anchor {
     /// Of a slave that stuck at this point.
     pub const fn new(point: AffinePoint) -> Self {
-        Self { point, opening: 0.0, traction: 0.0, origin: None }
+        Self { point, opening: 0.0, limit: 0.0, slid: false, origin: None }
     }
 
-    /// Of what the work of the next step begins with.
-    pub(crate) fn before_step(&self) -> BeforeStep {
-        match (self.opening > 0.0, self.traction > 0.0) {
+    /// What the work of the next step begins with.
+    pub(crate) const fn before_step(&self) -> BeforeStep {
+        match (self.opening > 0.0, self.slid) {
             (true, _) => BeforeStep::Open,
-            (false, true) => BeforeStep::Slid(self.traction),
-            (false, false) => BeforeStep::Stuck,
+            (false, true) => BeforeStep::Slid(self.limit),
+            (false, false) => BeforeStep::Stuck(self.limit),
         }
     }
 
-    /// Whether opening and traction are finite and not negative, and not both more than 0.
+    /// Whether opening and limit are finite and not negative, and not both more than 0.
     pub(crate) fn check(&self, index: usize) -> Result<(), InterfaceError> {
-        let Self { opening, traction, .. } = *self;
-        for (value, other) in [(opening, traction), (traction, opening)] {
+        let Self { opening, limit, .. } = *self;
+        for (value, other) in [(opening, limit), (limit, opening)] {
             if !(value >= 0.0 && value.is_finite() && (value == 0.0 || other == 0.0)) {
                 return Err(InterfaceError::InvalidOpening { index, value });
             }
@@ -63,14 +66,17 @@ impl Anchor {
     }
 }
 
-/// Anchors as plain numbers, slave after slave: the number of carriers, the opening less the traction, of which
+/// Before an anchor that slid.
+const SLID: f64 = -3.0;
+
+/// Anchors as plain numbers, slave after slave: the number of carriers, the opening less the limit, of which
 /// one is 0, then node, number of the image (−1: none)
 /// and weight of each carrier; −1 for a slave without an anchor. Before an anchor with an origin there are −2 and the origin: the number
-/// of its carriers, and the carriers. `number_of`: what a node is called.
+/// of its carriers, and the carriers. Before one that slid there is −3. `number_of`: what a node is called.
 pub fn to_numbers(anchors: &[Option<Anchor>], number_of: impl Fn(u32) -> f64) -> Vec<f64> {
     let mut numbers = Vec::new();
     for anchor in anchors {
-        let Some(Anchor { point, opening, traction, origin }) = anchor else {
+        let Some(Anchor { point, opening, limit, slid, origin }) = anchor else {
             numbers.push(-1.0);
             continue;
         };
@@ -78,7 +84,10 @@ pub fn to_numbers(anchors: &[Option<Anchor>], number_of: impl Fn(u32) -> f64) ->
             numbers.extend([-2.0, origin.terms().len() as f64]);
             push_terms(origin, &number_of, &mut numbers);
         }
-        numbers.extend([point.terms().len() as f64, opening - traction]);
+        if *slid {
+            numbers.push(SLID);
+        }
+        numbers.extend([point.terms().len() as f64, opening - limit]);
         push_terms(point, &number_of, &mut numbers);
     }
     numbers
@@ -132,11 +141,13 @@ pub fn from_numbers(
             origin = Some(point(anchors.len(), place + 2, count)?);
             place += 2 + 3 * count;
         }
+        let slid = numbers.get(place) == Some(&SLID);
+        place += usize::from(slid);
         let count = index(place)? as usize;
         let difference = numbers.get(place + 1).copied().ok_or_else(|| none(place + 1))?;
         let point = point(anchors.len(), place + 2, count)?;
-        let (opening, traction) = if difference < 0.0 { (0.0, -difference) } else { (difference, 0.0) };
-        anchors.push(Some(Anchor { point, opening, traction, origin }));
+        let (opening, limit) = if difference < 0.0 { (0.0, -difference) } else { (difference, 0.0) };
+        anchors.push(Some(Anchor { point, opening, limit, slid, origin }));
         place += 2 + 3 * count;
     }
     Ok(anchors)
@@ -153,13 +164,17 @@ pub fn split_history(history: &[f64]) -> Result<Vec<&[f64]>, InterfaceError> {
     // A count that is missing is none of a length.
     let terms = |count: Option<&f64>| 2.0 + 3.0 * count.copied().unwrap_or(f64::NAN);
     while let Some(&first) = rest.first() {
+        let anchor = |start: usize| match rest.get(start) {
+            Some(&SLID) => 1.0 + terms(rest.get(start + 1)),
+            count => terms(count),
+        };
         let length = if first == -1.0 {
             1.0
         } else if first == -2.0 {
             let origin = terms(rest.get(1));
-            origin + terms(rest.get(origin as usize))
+            origin + anchor(origin as usize)
         } else {
-            terms(Some(&first))
+            anchor(0)
         };
         if !(length >= 1.0 && length <= rest.len() as f64 && length.fract() == 0.0) {
             return Err(InterfaceError::InvalidHistory { place });

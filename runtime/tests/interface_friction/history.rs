@@ -169,10 +169,10 @@ fn what_is_no_history_is_refused() {
         let point = AffinePoint::new([(carrier, 1.0)]).unwrap();
         Some(vec![Some(Anchor::new(point)), None, None, None, None])
     };
-    let with = |opening: f64, traction: f64| {
+    let with = |opening: f64, limit: f64| {
         let mut anchors = kept.clone();
         let first = anchors[0].as_mut().unwrap();
-        (first.opening, first.traction) = (opening, traction);
+        (first.opening, first.limit) = (opening, limit);
         Some(anchors)
     };
     let slave = pressed.slaves[0] as u32;

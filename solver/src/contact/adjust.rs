@@ -44,6 +44,9 @@ pub enum AdjustError {
     Open { node: usize, gap: f64 },
 }
 
+/// Cosine of the angle between normals of the master from which on two sheets of a node are over the same face of it.
+const SAME_FACE: f64 = 0.9;
+
 /// Slaves that start in touch.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Adjusted {
@@ -111,22 +114,19 @@ fn within(
     limit: f64,
 ) -> Result<(BTreeSet<usize>, usize), AdjustError> {
     let (mut movable, mut held, mut count) = (BTreeSet::new(), 0, 0);
-    // Of the sheets of a node the one that is closest.
-    let mut closest: BTreeMap<usize, (f64, usize)> = BTreeMap::new();
-    for (k, slave) in interaction.slaves().enumerate().filter(|(_, slave)| slave.gap.is_some()) {
-        let own = (slave.average_gap.abs(), k);
-        closest
-            .entry(slave.node)
-            .and_modify(|least| {
-                if own.0 < least.0 {
-                    *least = own
-                }
-            })
-            .or_insert(own);
-    }
-    let closest: BTreeSet<usize> =
-        closest.into_values().filter(|&(gap, _)| gap <= limit).map(|(_, k)| k).collect();
-    for (k, slave) in interaction.slaves().enumerate().filter(|(k, _)| closest.contains(k)) {
+    let is_near = |slave: &SlaveState| slave.gap.is_some() && slave.average_gap.abs() <= limit;
+    let mut near: Vec<(usize, SlaveState)> =
+        interaction.slaves().enumerate().filter(|(_, slave)| is_near(slave)).collect();
+    near.sort_by(|(_, one), (_, other)| one.average_gap.abs().total_cmp(&other.average_gap.abs()));
+    // Of the sheets of a node over one face of the master the closest one.
+    let mut taken: BTreeMap<usize, Vec<Point>> = BTreeMap::new();
+    for (k, slave) in near {
+        let normals = taken.entry(slave.node).or_default();
+        let cosine = |other: &Point| (0..3).map(|axis| other[axis] * slave.normal[axis]).sum::<f64>();
+        if normals.iter().any(|other| cosine(other) > SAME_FACE) {
+            continue;
+        }
+        normals.push(slave.normal);
         let (node, size) = (slave.node, interaction.facet_size_at(slave.node));
         count += 1;
         if free_part(&slave, free) >= LEAST_FREE {

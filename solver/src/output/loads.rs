@@ -61,42 +61,47 @@ impl Loads {
         let on_quadratic: HashSet<usize> = faces.iter().flat_map(|face| face.nodes()).copied().collect();
         // With two passes a side has half of the penalty and so half of pressure and friction.
         let passes = if options.two_pass || options.self_contact { 2.0 } else { 1.0 };
-        // A node on a sharp edge of the slave is there once for each sheet.
-        let mut sheets: HashMap<usize, usize> = HashMap::new();
-        interaction.slaves().for_each(|slave| *sheets.entry(slave.node).or_default() += 1);
-        let mut of_sheets: BTreeMap<usize, (f64, [f64; 3], f64)> = BTreeMap::new();
-        for slave in interaction.slaves() {
-            let SlaveState { node, area, .. } = slave;
-            let covered = |of: fn(f64) -> Area| match slave.gap {
-                Some(_) if area > 0.0 => of(area),
+        // Over faces a node on a sharp edge of the slave is there once for each sheet.
+        let mut sheets: BTreeMap<usize, Vec<SlaveState>> = BTreeMap::new();
+        interaction.slaves().for_each(|slave| sheets.entry(slave.node).or_default().push(slave));
+        for (node, sheets) in sheets {
+            let mut share = |normal: f64, friction: [f64; 3], area: Area| {
+                if normal != 0.0 || friction != [0.0; 3] {
+                    let share = Share { interaction: number, normal, friction, area };
+                    self.nodes.entry(node).or_default().push(share);
+                }
+            };
+            let covered = |slave: &SlaveState, of: fn(f64) -> Area| match slave.gap {
+                Some(_) if slave.area > 0.0 => of(slave.area),
                 _ => Area::Beside,
             };
-            let (normal, friction, area) = if is_over_faces && on_quadratic.contains(&node) {
+            let own = |slave: &SlaveState| (passes * slave.force, slave.friction.map(|force| passes * force));
+            if is_over_faces && on_quadratic.contains(&node) {
                 // Forces of faces of second order are no pressures: corners may have none.
-                let friction = slave.friction.map(|force| passes * force);
-                (passes * slave.force, friction, covered(Area::CoveredByOrder))
-            } else if is_over_faces && sheets[&node] > 1 {
-                // Its forces are those of all sheets. What is pressed has the area of those that press.
-                if slave.force > 0.0 {
-                    let sum = of_sheets.entry(node).or_default();
-                    sum.0 += passes * slave.force;
-                    sum.2 += area;
-                    sum.1.iter_mut().zip(slave.friction).for_each(|(sum, force)| *sum += passes * force);
+                for slave in &sheets {
+                    let (normal, friction) = own(slave);
+                    share(normal, friction, covered(slave, Area::CoveredByOrder));
                 }
                 continue;
-            } else {
-                let area = if is_over_faces { covered(Area::Covered) } else { Area::Tributary };
-                let friction = forces.friction[node];
-                (pressing(forces.forces[node], friction, slave.normal), friction, area)
-            };
-            if normal != 0.0 || friction != [0.0; 3] {
-                let share = Share { interaction: number, normal, friction, area };
-                self.nodes.entry(node).or_default().push(share);
             }
-        }
-        for (node, (normal, friction, area)) in of_sheets {
-            let share = Share { interaction: number, normal, friction, area: Area::Covered(area) };
-            self.nodes.entry(node).or_default().push(share);
+            let pressed = || sheets.iter().filter(|slave| slave.force > 0.0);
+            if pressed().count() > 1 {
+                // The node's force is that of all of them.
+                let (mut sum, mut friction, mut area) = (0.0, [0.0; 3], 0.0);
+                for slave in pressed() {
+                    let (normal, along) = own(slave);
+                    (sum, area) = (sum + normal, area + slave.area);
+                    friction.iter_mut().zip(along).for_each(|(sum, force)| *sum += force);
+                }
+                share(sum, friction, Area::Covered(area));
+                continue;
+            }
+            let gap = |slave: &&SlaveState| slave.gap.unwrap_or(f64::INFINITY);
+            let closest = || sheets.iter().min_by(|one, other| gap(one).total_cmp(&gap(other)));
+            let Some(slave) = pressed().next().or_else(closest) else { continue };
+            let area = if is_over_faces { covered(slave, Area::Covered) } else { Area::Tributary };
+            let friction = forces.friction[node];
+            share(pressing(forces.forces[node], friction, slave.normal), friction, area);
         }
     }
 

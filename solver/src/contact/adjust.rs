@@ -1,6 +1,6 @@
 //! Slaves that start in touch: moved onto the master before there is any strain.
 
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeSet;
 
 use diffuse_contact::{Mode, Point};
 use thiserror::Error;
@@ -44,9 +44,6 @@ pub enum AdjustError {
     Open { node: usize, gap: f64 },
 }
 
-/// Cosine of the angle between normals of the master from which on two sheets of a node are over the same face of it.
-const SAME_FACE: f64 = 0.9;
-
 /// Slaves that start in touch.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Adjusted {
@@ -65,12 +62,12 @@ pub fn adjust(
     limit: f64,
 ) -> Result<Adjusted, AdjustError> {
     evaluate(interaction, start)?;
-    let (movable, held) = within(interaction, free, limit)?;
+    let (nodes, held) = within(interaction, free, limit)?;
     let mut positions = start.to_vec();
     let mut worst = (0, 0.0);
     for _ in 0..ROUNDS {
         let (mut extent, mut largest): (f64, f64) = (0.0, 0.0);
-        for (_, slave) in interaction.slaves().enumerate().filter(|(k, _)| movable.contains(k)) {
+        for slave in interaction.slaves().filter(|slave| nodes.contains(&slave.node)) {
             let node = slave.node;
             let Some(gap) = slave.gap.map(|_| slave.average_gap) else {
                 return Err(AdjustError::Lost { node });
@@ -86,8 +83,6 @@ pub fn adjust(
             extent = positions[node].iter().fold(extent, |extent, x| extent.max(x.abs()));
         }
         if largest <= (CLOSED * limit).max(LAST_DIGITS * extent) {
-            let slaves = interaction.slaves().enumerate().filter(|(k, _)| movable.contains(k));
-            let nodes: BTreeSet<usize> = slaves.map(|(_, slave)| slave.node).collect();
             let moved = nodes.into_iter().map(|node| (node, positions[node])).collect();
             return Ok(Adjusted { moved, held });
         }
@@ -107,7 +102,7 @@ fn free_part(slave: &SlaveState, free: &[[bool; 3]]) -> f64 {
     (0..3).filter(|&axis| free[slave.node][axis]).map(|axis| slave.normal[axis].powi(2)).sum()
 }
 
-/// The slaves within the limit that can be moved, by place, and how many others have free axes, but hardly any along the normal.
+/// The slave nodes within the limit that can be moved, and how many others have free axes, but hardly any along the normal.
 fn within(
     interaction: &Interaction,
     free: &[[bool; 3]],
@@ -115,25 +110,14 @@ fn within(
 ) -> Result<(BTreeSet<usize>, usize), AdjustError> {
     let (mut movable, mut held, mut count) = (BTreeSet::new(), 0, 0);
     let is_near = |slave: &SlaveState| slave.gap.is_some() && slave.average_gap.abs() <= limit;
-    let mut near: Vec<(usize, SlaveState)> =
-        interaction.slaves().enumerate().filter(|(_, slave)| is_near(slave)).collect();
-    near.sort_by(|(_, one), (_, other)| one.average_gap.abs().total_cmp(&other.average_gap.abs()));
-    // Of the sheets of a node over one face of the master the closest one.
-    let mut taken: BTreeMap<usize, Vec<Point>> = BTreeMap::new();
-    for (k, slave) in near {
-        let normals = taken.entry(slave.node).or_default();
-        let cosine = |other: &Point| (0..3).map(|axis| other[axis] * slave.normal[axis]).sum::<f64>();
-        if normals.iter().any(|other| cosine(other) > SAME_FACE) {
-            continue;
-        }
-        normals.push(slave.normal);
+    for slave in interaction.slaves().filter(is_near) {
         let (node, size) = (slave.node, interaction.facet_size_at(slave.node));
         count += 1;
         if free_part(&slave, free) >= LEAST_FREE {
             if !(limit <= FARTHEST * size) {
                 return Err(AdjustError::Far { node, limit, size });
             }
-            movable.insert(k);
+            movable.insert(node);
         } else if free[node].contains(&true) {
             held += 1;
         }

@@ -115,9 +115,6 @@ def carriers_of(row: np.ndarray) -> np.ndarray:
     origin = row[:0]
     if row[0] == -2.0:
         origin, row = np.split(row[2:], [3 * int(row[1])])
-    if row[0] == -3.0:
-        # It slid.
-        row = row[1:]
     return np.concatenate([origin, row[2:]])[::3].astype(np.int64)
 
 

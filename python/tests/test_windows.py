@@ -401,7 +401,8 @@ def test_friction_over_faces_goes_with_nodes_to_other_windows():
                 for k in own:
                     exact = after[which + 1][numbers[faces.slaves[k]]]
                     assert np.array_equal(np.concatenate(kept[2 * k : 2 * k + 2]), exact)
-    foreign = np.concatenate([[1.0, 0.0, 1e6, -1.0, 1.0] * 2, *history[1:]])
+    history[own[0]] = np.array([1.0, 0.0, 1e6, -1.0, 1.0] * 2)
+    foreign = np.concatenate(history)
     with pytest.raises(dc.InterfaceError) as error:
         faces.history = foreign
     assert error.value.code == "foreign-carrier"

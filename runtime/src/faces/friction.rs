@@ -24,15 +24,12 @@ use crate::affine::Carrier;
 use crate::assembly::{AssemblyError, ContactLaw};
 use crate::friction::{Coulomb, FaceTraction, FrictionState, Sliding};
 use crate::interface::{
-    Anchor, FrictionReport, InterfaceError, NoContact, Outcome, Results, from_numbers, split_history,
-    to_numbers,
+    Anchor, FrictionReport, InterfaceError, NoContact, Outcome, Results, from_numbers, to_numbers,
 };
 use crate::surface::{shape_of, sort};
 use crate::vector::Vector3;
 use crate::{AffinePoint, Mode, Point};
 
-/// A point that is not there, in a history.
-const NONE: f64 = -1.0;
 /// What a point without pressure counts for in the slip of a node that carries one, over the node's pressure.
 const LITTLE: f64 = 1e-12;
 
@@ -221,7 +218,7 @@ impl FaceInterface {
             let track = match (closed, &traction) {
                 (Some(old), Some(Traction { sliding, .. })) if sliding.kept == 1.0 => {
                     let origin = old.anchor.origin.clone().filter(|_| is_augmented);
-                    old.clone().with_origin(origin).with_limit(limit, false)
+                    old.clone().with_origin(origin).with_limit(limit, sliding.state == FrictionState::Slip)
                 }
                 (old, traction) => {
                     let (kept, slip) =
@@ -458,7 +455,7 @@ impl FaceInterface {
     /// [`InterfaceError::AnchorCount`], [`InterfaceError::InvalidOpening`], [`InterfaceError::ForeignCarrier`]. The history of before then
     /// stays.
     pub fn set_history(&mut self, history: &[f64]) -> Result<(), InterfaceError> {
-        let tracks = if history.is_empty() { None } else { Some(self.tracks_of(&self.known_of(history)?)?) };
+        let tracks = if history.is_empty() { None } else { Some(self.tracks_of(history)?) };
         if self.tracks != tracks || self.augmented.is_some() {
             self.forget();
             self.tracks = tracks;
@@ -466,19 +463,16 @@ impl FaceInterface {
         Ok(())
     }
 
-    /// The history without that of nodes beside the window: which of their sheets it belongs to is not known.
-    fn known_of(&self, history: &[f64]) -> Result<Vec<f64>, InterfaceError> {
-        let Some(window) = &self.window else { return Ok(history.to_vec()) };
-        let parts = split_history(history)?;
-        let part = |(point, part): (usize, &[f64])| {
-            if window.is_beside(point / 2) { vec![NONE] } else { part.to_vec() }
-        };
-        Ok(parts.into_iter().enumerate().flat_map(part).collect())
+    /// Whether faces at the k-th slave may be missing: which of its node's sheets a history belongs to is not known then.
+    fn is_beside(&self, k: usize) -> bool {
+        self.window.as_ref().is_some_and(|window| window.is_beside(k))
     }
 
     fn tracks_of(&self, history: &[f64]) -> Result<Vec<Option<Track>>, InterfaceError> {
         let side = |point: usize| if point.is_multiple_of(2) { Side::Slave } else { Side::Master };
         let points = from_numbers(history, |point, number| match self.node_of(side(point), number) {
+            // Any node stands for those of a history that is left out.
+            None if self.is_beside(point / 2) => Ok(Some(0)),
             None if self.is_in_window() => {
                 Err(InterfaceError::CarrierBeyondWindow { index: point / 2, node: number })
             }
@@ -500,6 +494,9 @@ impl FaceInterface {
         };
         let (of_faces, of_facets) = (known(&self.carriers.faces), known(&self.carriers.facets));
         let track = |(index, pair): (usize, &[Option<Anchor>; 2])| {
+            if self.is_beside(index) {
+                return Ok(None);
+            }
             let (own, anchor) = match pair {
                 [Some(own), Some(anchor)] => (own, anchor),
                 [None, None] => return Ok(None),
@@ -508,7 +505,7 @@ impl FaceInterface {
                     return Err(InterfaceError::InvalidHistory { place });
                 }
             };
-            if own.origin.is_some() {
+            if own.origin.is_some() || own.slid {
                 let place = to_numbers(&points[..2 * index], f64::from).len();
                 return Err(InterfaceError::InvalidHistory { place });
             }

@@ -20,8 +20,8 @@ pub struct Anchor {
     /// How far the contact was from carrying force if it was open, length: the gap, but for [normal laws](crate::assembly::NormalLaw::onset)
     /// whose pressure begins elsewhere; else 0. The slip of a contact that closes begins at the place of touch.
     pub opening: f64,
-    /// The largest friction of a contact that was closed then, min(μ p, τ A), force; over faces force per area. The work of the next step
-    /// begins with it.
+    /// The friction of a contact that slid then, and the largest that one that stuck could bear, min(μ p, τ A): force, over faces force per
+    /// area. The work of the next step begins with it.
     pub limit: f64,
     /// Whether it slid then.
     pub slid: bool,
@@ -52,6 +52,9 @@ impl Anchor {
                 return Err(InterfaceError::InvalidOpening { index, value });
             }
         }
+        if self.slid && opening > 0.0 {
+            return Err(InterfaceError::InvalidOpening { index, value: opening });
+        }
         Ok(())
     }
 
@@ -66,13 +69,17 @@ impl Anchor {
     }
 }
 
-/// Before an anchor that slid.
-const SLID: f64 = -3.0;
+/// What the number of carriers of an anchor that slid has more.
+const SLID: f64 = 0.5;
 
-/// Anchors as plain numbers, slave after slave: the number of carriers, the opening less the limit, of which
-/// one is 0, then node, number of the image (−1: none)
-/// and weight of each carrier; −1 for a slave without an anchor. Before an anchor with an origin there are −2 and the origin: the number
-/// of its carriers, and the carriers. Before one that slid there is −3. `number_of`: what a node is called.
+/// Anchors as plain numbers, slave after slave, −1 for a slave without one:
+///
+/// * the number of carriers, and a half more if the contact slid;
+/// * the opening less the limit, of which one is 0;
+/// * of each carrier its node, the number of its image (−1: none), and its weight.
+///
+/// Before an anchor with an origin there are −2 and the origin: the number of its carriers, and the carriers. `number_of`: what a node is
+/// called.
 pub fn to_numbers(anchors: &[Option<Anchor>], number_of: impl Fn(u32) -> f64) -> Vec<f64> {
     let mut numbers = Vec::new();
     for anchor in anchors {
@@ -84,10 +91,8 @@ pub fn to_numbers(anchors: &[Option<Anchor>], number_of: impl Fn(u32) -> f64) ->
             numbers.extend([-2.0, origin.terms().len() as f64]);
             push_terms(origin, &number_of, &mut numbers);
         }
-        if *slid {
-            numbers.push(SLID);
-        }
-        numbers.extend([point.terms().len() as f64, opening - limit]);
+        let slid = if *slid { SLID } else { 0.0 };
+        numbers.extend([point.terms().len() as f64 + slid, opening - limit]);
         push_terms(point, &number_of, &mut numbers);
     }
     numbers
@@ -141,9 +146,10 @@ pub fn from_numbers(
             origin = Some(point(anchors.len(), place + 2, count)?);
             place += 2 + 3 * count;
         }
-        let slid = numbers.get(place) == Some(&SLID);
-        place += usize::from(slid);
-        let count = index(place)? as usize;
+        let (count, slid) = match numbers.get(place) {
+            Some(&number) if number.fract() == SLID => ((number - SLID) as usize, true),
+            _ => (index(place)? as usize, false),
+        };
         let difference = numbers.get(place + 1).copied().ok_or_else(|| none(place + 1))?;
         let point = point(anchors.len(), place + 2, count)?;
         let (opening, limit) = if difference < 0.0 { (0.0, -difference) } else { (difference, 0.0) };
@@ -164,9 +170,10 @@ pub fn split_history(history: &[f64]) -> Result<Vec<&[f64]>, InterfaceError> {
     // A count that is missing is none of a length.
     let terms = |count: Option<&f64>| 2.0 + 3.0 * count.copied().unwrap_or(f64::NAN);
     while let Some(&first) = rest.first() {
-        let anchor = |start: usize| match rest.get(start) {
-            Some(&SLID) => 1.0 + terms(rest.get(start + 1)),
-            count => terms(count),
+        let anchor = |start: usize| {
+            let count =
+                rest.get(start).map(|&count| if count.fract() == SLID { count - SLID } else { count });
+            terms(count.as_ref())
         };
         let length = if first == -1.0 {
             1.0

@@ -80,6 +80,7 @@ impl<T: Vector> Lanes<'_, T> {
         let is_step = T::select_less(first.deviation, T::splat(f64::INFINITY), T::ONE, T::ZERO);
         let start = choose(is_step, first.step, zero);
         let found = self.few_steps((start, T::ONE), fitting);
+        let found = Searched { evaluations: found.evaluations + 1, ..found };
         let is_far = T::select_less(self.way(found.place, start), T::splat(FAR), T::ZERO, found.is_found);
         if T::all_less(is_far, T::splat(0.5)) {
             return found;
@@ -115,8 +116,8 @@ impl<T: Vector> Lanes<'_, T> {
         let converged = T::splat(ROUNDING);
         let mut is_found = T::select_less(now.deviation, converged, T::ONE, T::ZERO);
         let mut is_open = T::select_less(now.deviation, converged, T::ZERO, is_asked);
-        let mut evaluations = 2;
-        while evaluations < MOST_STEPS + 2 && !T::all_less(is_open, T::splat(0.5)) {
+        let mut evaluations = 1;
+        while evaluations < MOST_STEPS + 1 && !T::all_less(is_open, T::splat(0.5)) {
             evaluations += 1;
             let moved = inverse.times(now.step);
             let next = each!(i => place[i] + moved[i]);

@@ -317,9 +317,11 @@ mod tests {
     #[test]
     fn neither_other_lanes_nor_nodes_out_of_reach_change_a_bit() {
         let (mut few, mut many) = (Scene::default(), Scene::default());
+        // Some are far from where their search begins.
         for k in 0..9 {
-            few.add(k, 0.1, 0);
-            many.add(k, 0.1, 1 + (k % 3) as i32);
+            let height = [0.1, 0.9][k % 2];
+            few.add(k, height, 0);
+            many.add(k, height, 1 + (k % 3) as i32);
         }
         let bits = |found: &Result<MaterialPlace, ElementError>| {
             let MaterialPlace { place, frame, .. } = (*found).unwrap();

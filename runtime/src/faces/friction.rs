@@ -424,7 +424,7 @@ impl FaceInterface {
 
     /// The history of friction as plain numbers, for a restart; empty before a state was [accepted](Self::accept). Each slave has two
     /// points, its own and its anchor. In [windows](crate::surface::window) their nodes have their numbers in the whole surfaces, too: two
-    /// parts of [`split_history`] go with a slave from window to window.
+    /// parts of [`split_history`](crate::interface::split_history) go with a slave from window to window.
     pub fn history(&self) -> Vec<f64> {
         self.numbers_of(self.tracks.as_deref())
     }

@@ -4,6 +4,7 @@ mod amplitudes;
 mod contact;
 mod linear;
 mod scale;
+mod second_order;
 mod slender;
 mod start;
 

@@ -7,10 +7,8 @@ use rustc_hash::FxHashSet;
 
 use crate::contact::{EmitOptions, TooLong, emit_file};
 use crate::emit::{MOST_STATEMENTS, c_constants, emit_c, emit_element, emit_element_test};
-use crate::model::{
-    Basis, BasisError, CustomBasis, ElementError, ElementKernels, ElementModel, FacetShape, Weight,
-    WeightError,
-};
+use crate::kernel::{ElementError, ElementKernels, ElementModel};
+use crate::model::{Basis, BasisError, CustomBasis, FacetShape, Weight, WeightError};
 
 /// Why kernels were not generated.
 ///

@@ -29,7 +29,8 @@
 //!
 //! ```text
 //! formula    text of a weight                    "(1 - r)^2 * (1 + 2*r)"
-//! model      basis, weight, fit, foot, gap, facet, caller's formulas over a graph
+//! model      basis, weight, fit, foot, gap, slip, facet
+//! kernel     inputs, formulas, outputs             the contact element's and those of callers
 //! expr       formulas as they are written        handles with operators, vectors, matrices
 //! graph      hash-consed expressions             simplification, derivatives, substitution
 //! structure  sums, systems, roots                first and second derivatives of implicit quantities
@@ -79,7 +80,7 @@
 //! values, in which it is stationary (`structure/known.rs`). It depends on a few vectors that are linear in slave and corners
 //! (`structure/linear_images.rs`).
 //!
-//! **Elements of the caller's** (`model/element.rs`) have a signature: typed inputs, which are variables or parameters, and values, of which
+//! **Elements of the caller's** (`kernel/element.rs`) have a signature: typed inputs, which are variables or parameters, and values, of which
 //! it says how often they are differentiated. An energy depends on its variables through few quantities, such as a deformation gradient F
 //! and det F. `structure/intermediates.rs` finds those that are not named, `structure/chain.rs` differentiates through all, and
 //! `structure/invariance.rs` takes the way with the fewest operations. `emit/fixed.rs` writes them, `emit/c/`
@@ -90,7 +91,7 @@
 //!
 //! **Nodes of an open number** in elements of the caller's: a function depends on them through sums, and through unknowns of equations that
 //! are linear in sums. `structure/node_sums.rs` eliminates one after the other and leaves a Hessian of low rank. `emit/node_loop.rs` writes
-//! the loops, those of the contact kernels too. `model/client.rs` gives the contact kernels the signature that C is written from.
+//! the loops, those of the contact kernels too. `contact/elements.rs` gives the contact kernels the signature that C is written from.
 //!
 //! **r = 0 and r = 1.** Weights are polynomials P of the norm r = √(a² + b²), with the rule P(r) → (P'(r)/r)(a a' + b b'), where P'/r is a
 //! polynomial again. No derivative divides by r, and none loses digits near a node. Zeros at r = 1 are factored out before evaluation. A
@@ -109,6 +110,7 @@ pub mod expr;
 pub mod formula;
 pub mod graph;
 pub mod interpret;
+pub mod kernel;
 pub mod lower;
 pub mod model;
 pub mod schedule;
@@ -118,9 +120,10 @@ mod table;
 pub use config::{Config, ConfigError};
 pub use expr::{Expr, Sheet};
 pub use graph::{Limits, Polynomial};
+pub use kernel::{Defined, ElementError, ElementKernels, ElementModel, Kernel, Mode, NodeResult, Stationary};
 pub use model::{
-    Basis, BasisError, CustomBasis, Defined, ElementError, ElementKernels, ElementModel, FacetShape,
-    FrameRule, Kernel, KernelSpec, Mode, NodeResult, Output, Stationary, Weight, WeightError, WeightNote,
+    Basis, BasisError, CustomBasis, FacetShape, FrameRule, KernelSpec, Output, Weight, WeightError,
+    WeightNote,
 };
 
 /// The examples of the README, which are run with the documentation tests.

@@ -7,7 +7,7 @@
 use rustc_hash::FxHashMap;
 
 use crate::graph::{ExprId, Graph, Op, PolynomialId, RootId, Scope, SolveId, SymbolId, SystemId};
-use crate::model::Kernel;
+use crate::kernel::Kernel;
 use crate::structure::{Gradient, Hessian, PointBlocks};
 use crate::table::Table;
 
@@ -20,7 +20,7 @@ pub fn lower<S: Clone>(kernel: &Kernel<S>) -> Kernel<S> {
         .iter()
         .map(|value| {
             let components = value.components.iter().map(|&x| lowering.lower(x)).collect();
-            crate::model::Value { components, ..value.clone() }
+            crate::kernel::Value { components, ..value.clone() }
         })
         .collect();
     let gradients = kernel

@@ -11,7 +11,8 @@ mod reads;
 use rustc_hash::{FxHashMap, FxHashSet};
 
 use crate::graph::{ExprId, Graph, Op, RootId, Scope};
-use crate::model::{Kernel, KernelSpec};
+use crate::kernel::Kernel;
+use crate::model::KernelSpec;
 use crate::structure::{LowRankForm, LowRankTerm, PointForm};
 
 /// Deepest nesting of an expression that is written without an intermediate `let`.

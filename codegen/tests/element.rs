@@ -7,7 +7,7 @@ use diffuse_contact_codegen::emit::emit_element_kernel;
 use diffuse_contact_codegen::expr::{Expr, Mat3, Matrix, Vec2, Vec3, Vector, total};
 use diffuse_contact_codegen::graph::{ExprId, Limits, Scope};
 use diffuse_contact_codegen::interpret::{Interpreter, NodeInputs, element_derivatives, element_results};
-use diffuse_contact_codegen::model::Input;
+use diffuse_contact_codegen::kernel::Input;
 use diffuse_contact_codegen::{
     Config, ConfigError, ElementError, ElementKernels, ElementModel, Mode, Polynomial,
 };
@@ -641,7 +641,7 @@ fn a_mistake_in_a_derivative_of_the_graph_does_not_reach_automatic_differentiati
     let expanded = |element: &ElementKernels| element_derivatives(element, &inputs, &[])[0].1.clone();
     let right = expanded(&element);
     assert!(difference(&interpreted(&element), &right) < 1e-12);
-    let gradient = |kernel: &mut diffuse_contact_codegen::model::Kernel<_>| {
+    let gradient = |kernel: &mut diffuse_contact_codegen::kernel::Kernel<_>| {
         kernel
             .values
             .iter_mut()

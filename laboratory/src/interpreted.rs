@@ -30,7 +30,7 @@ const FRAMES: usize = FrameRule::ALL.len();
 #[derive(Debug)]
 pub struct Interpreted {
     weight: Weight,
-    kernels: [OnceLock<Kernel>; OUTPUTS * MODES * BASES * FRAMES],
+    kernels: [OnceLock<Kernel<KernelSpec>>; OUTPUTS * MODES * BASES * FRAMES],
 }
 
 /// How far an element is from having no result, as dimensionless figures.

@@ -6,7 +6,8 @@ use quote::{format_ident, quote};
 use super::kernels::emit_kernel;
 use super::module::{gap_kernel, weight_modules};
 use crate::emit::{EmittedElementKernel, EmittedKernel, emit_element_kernel};
-use crate::model::{Basis, ElementSpec, Kernel, KernelSpec, Weight};
+use crate::kernel::{ElementSpec, Kernel};
+use crate::model::{Basis, KernelSpec, Weight};
 
 /// First lines of every emitted file.
 const HEADER: &str =

@@ -3,12 +3,11 @@
 use proc_macro2::Ident;
 use quote::{format_ident, quote};
 
+use super::elements::contact_signature;
 use crate::emit::{Combined, EmittedKernel, KernelCounts, ShapeHead, emit_shape, kept_name};
+use crate::kernel::{CHECKSUM, Kernel, Mode};
 use crate::lower::lower;
-use crate::model::{
-    CHECKSUM, DOMAIN_RATIO, FrameRule, Kernel, KernelSpec, MATERIAL_INPUTS, MOST_COEFFICIENTS, Mode, Output,
-    contact_signature,
-};
+use crate::model::{DOMAIN_RATIO, FrameRule, KernelSpec, MATERIAL_INPUTS, MOST_COEFFICIENTS, Output};
 use crate::schedule::Program;
 
 /// Inputs of a node, in the order of `support::NODE_VALUES`.
@@ -66,7 +65,7 @@ pub(super) fn values_name(output: Output) -> Ident {
     }
 }
 
-fn documentation(kernel: &Kernel, counts: &KernelCounts) -> Vec<String> {
+fn documentation(kernel: &Kernel<KernelSpec>, counts: &KernelCounts) -> Vec<String> {
     let spec = &kernel.spec;
     let m = spec.basis.size();
     let what = match spec.output {

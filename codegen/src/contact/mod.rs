@@ -1,5 +1,6 @@
 //! The contact kernels as clients of [`emit`](crate::emit): names and types that surround their functions, and the file they stand in.
 
+mod elements;
 mod file;
 mod formula;
 mod kernels;

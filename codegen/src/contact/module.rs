@@ -7,7 +7,8 @@ use super::file::{EmitOptions, TooLong, basis_constant};
 use super::formula::formula;
 use super::kernels::{emit_kernel, function_name, values_name};
 use crate::emit::{EmittedKernel, MOST_STATEMENTS, kept_name};
-use crate::model::{Basis, FrameRule, KernelSpec, Mode, Output, Weight};
+use crate::kernel::Mode;
+use crate::model::{Basis, FrameRule, KernelSpec, Output, Weight};
 
 /// The kernels of weights that share them, and a module for each weight.
 pub(super) fn weight_modules(weights: &[Weight], options: EmitOptions<'_>) -> Result<TokenStream, TooLong> {

@@ -4,7 +4,7 @@ use proc_macro2::{Ident, TokenStream};
 use quote::{format_ident, quote};
 
 use super::fixed::Argument;
-use crate::model::{Differentiated, ElementSpec, Mode, Returned, Role, Signature};
+use crate::kernel::{Differentiated, ElementSpec, Mode, Returned, Role, Signature};
 
 /// An argument that derivatives are written to.
 #[derive(Clone, Debug)]

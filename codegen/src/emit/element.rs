@@ -12,8 +12,8 @@ use super::node_element::emit_node_kernel;
 use super::tabulated::tabulated;
 use super::{element_module, node_module, product_module};
 use crate::graph::Iteration;
+use crate::kernel::{ElementError, ElementKernels, ElementSpec, Kernel, Mode};
 use crate::lower::lower;
-use crate::model::{ElementError, ElementKernels, ElementSpec, Kernel, Mode};
 use crate::schedule::Program;
 
 /// Lowers, schedules and writes a kernel of an element.

@@ -4,7 +4,7 @@ use proc_macro2::TokenStream;
 
 use super::count::OpCounts;
 use super::derivatives::Derivative;
-use crate::model::{Defined, ElementSpec, Mode, Signature};
+use crate::kernel::{Defined, ElementSpec, Mode, Signature};
 
 /// A kernel of an element as source.
 #[derive(Clone, Debug)]

@@ -5,7 +5,7 @@ use quote::quote;
 
 use super::derivatives::Derivative;
 use super::module::{best_isa, call_by_mode, field, gathered, hessian_at, input_fields, stored, value_types};
-use crate::model::{Mode, Signature};
+use crate::kernel::{Mode, Signature};
 
 /// The structs `Inputs`, `Values` and `Results`.
 pub(super) fn types(signature: &Signature, last: Mode) -> TokenStream {

@@ -9,7 +9,7 @@ use super::fixed::nested;
 use super::module::places;
 use crate::graph::{Op, RootFigure};
 use crate::interpret::{differentiated_products, element_derivatives, element_products, element_results};
-use crate::model::{ElementError, ElementKernels, ElementSpec, Input, Kernel, Signature};
+use crate::kernel::{ElementError, ElementKernels, ElementSpec, Input, Kernel, Signature};
 
 /// Largest difference of a kernel from what it is compared with, relative to the largest entry.
 const TOLERANCE: f64 = 1e-12;

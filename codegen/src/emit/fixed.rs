@@ -10,7 +10,7 @@ use super::derivatives::{DIRECTION, arguments_of};
 use super::element_kernel::function_name;
 use super::function::FunctionWriter;
 use crate::graph::{ExprId, NODE_COUNT, Op};
-use crate::model::{ElementSpec, Input, Points, Signature, Value};
+use crate::kernel::{ElementSpec, Input, Points, Signature, Value};
 use crate::schedule::{Program, Statement};
 
 /// An argument that a derivative is written to, and its number of entries.

@@ -5,7 +5,7 @@ use quote::{format_ident, quote};
 
 use super::derivatives::Derivative;
 use super::fixed::{array, nested};
-use crate::model::{Input, Mode, Role, Signature};
+use crate::kernel::{Input, Mode, Role, Signature};
 
 /// A struct's field of numbers `of`, documented.
 pub(super) fn field(

@@ -6,7 +6,7 @@ use proc_macro2::Ident;
 use quote::format_ident;
 
 use crate::graph::{ExprId, Function, Graph, Op};
-use crate::model::is_identifier;
+use crate::kernel::is_identifier;
 use crate::table::Table;
 
 /// Longest name put together from operands.

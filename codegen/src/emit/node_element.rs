@@ -10,7 +10,7 @@ use super::expression::Lanes;
 use super::fixed::{self, nested, reads_and_count, reads_by_place};
 use super::function::FunctionWriter;
 use super::node_loop::{NodeArray, Outputs};
-use crate::model::{DirectionSymbols, ElementSpec, Input, NodeResult, Signature, Value};
+use crate::kernel::{DirectionSymbols, ElementSpec, Input, NodeResult, Signature, Value};
 use crate::schedule::{NodeTarget, Program};
 
 /// Names of what surrounds a kernel.

@@ -6,8 +6,8 @@ use quote::quote;
 use super::derivatives::Derivative;
 use super::module::{best_isa, call_by_mode, gathered, hessian_at, input_fields, stored, value_types};
 use super::node_element::Scratch;
+use crate::kernel::{ElementKernels, Mode, Signature};
 use crate::lower::lower;
-use crate::model::{ElementKernels, Mode, Signature};
 use crate::schedule::Program;
 
 /// The structs, and what is known of sizes.

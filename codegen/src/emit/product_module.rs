@@ -6,8 +6,8 @@ use quote::quote;
 use super::derivatives::Derivative;
 use super::module::{field, stored_products};
 use super::node_element::Scratch;
+use crate::kernel::{ElementSpec, Kernel, Signature};
 use crate::lower::lower;
-use crate::model::{ElementSpec, Kernel, Signature};
 use crate::schedule::Program;
 
 /// Of an element of fixed size.

@@ -8,7 +8,7 @@ use super::fixed::reads_and_count;
 use super::function::FunctionWriter;
 use super::node_loop::{NodeArray, Outputs};
 use crate::graph::ExprId;
-use crate::model::Input;
+use crate::kernel::Input;
 use crate::schedule::{FormRows, NodeTarget, Program};
 
 /// What surrounds a function.

@@ -5,7 +5,7 @@ use rustc_hash::FxHashMap;
 
 use crate::graph::{ExprId, Graph, Op, Scope};
 use crate::interpret::{Interpreter, NodeInputs};
-use crate::model::{ElementSpec, Kernel, Points};
+use crate::kernel::{ElementSpec, Kernel, Points};
 
 /// Numbers that a table may have: three quarters of a first-level cache.
 const MOST_NUMBERS: usize = 3072;

@@ -1,7 +1,7 @@
 //! Derivatives of an element's outputs by automatic differentiation of its formulas.
 
 use super::{Expansion, Interpreter, NodeInputs, Number};
-use crate::model::{Differentiated, ElementKernels, ElementSpec, Input, Kernel, Returned, Role, Signature};
+use crate::kernel::{Differentiated, ElementKernels, ElementSpec, Input, Kernel, Returned, Role, Signature};
 
 /// Derivatives of an element's outputs by name, in the layout of [`element_results`](super::element_results), whose arguments these are:
 /// `gradient`, `hessian`, Jacobians.

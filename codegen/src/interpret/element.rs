@@ -1,7 +1,7 @@
 //! All results of an element's kernel.
 
 use super::{Interpreter, NodeInputs};
-use crate::model::{DirectionSymbols, ElementSpec, Kernel, NodeResult};
+use crate::kernel::{DirectionSymbols, ElementSpec, Kernel, NodeResult};
 
 /// Results of a kernel by name, derivatives after the others, as the emitted kernel has them: sums over points, Jacobians row by row,
 /// the Hessian as its packed lower triangle.

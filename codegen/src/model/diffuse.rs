@@ -6,7 +6,7 @@
 
 use super::average_plane::{AveragePlane, turned_back};
 use super::basis::Basis;
-use super::kernel::FrameRule;
+use super::contact_kernel::FrameRule;
 use super::material::Material;
 use super::pole::Pole;
 use super::weight::{DOMAIN_RATIO, NodeWeight, PLANE_REACH, Weight};
@@ -15,15 +15,6 @@ use crate::expr::{
 };
 use crate::graph::{RootFigure, RootId, Scope, SymmetricSystem};
 use crate::structure::{Block, CoordinateMap, Elimination, Follower, Functional, NodeProblem};
-
-/// A declared symbol of the model, for the documentation of emitted kernels.
-#[derive(Clone, Copy, Debug)]
-pub struct Equation {
-    /// The formula, in the paper's symbols.
-    pub formula: &'static str,
-    /// Where it stands.
-    pub source: &'static str,
-}
 
 /// What all kernels share: inputs, local offsets and weights.
 pub(super) struct Diffuse<'g> {

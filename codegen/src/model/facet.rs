@@ -4,8 +4,8 @@
 //! which is held. The foot is found by an iteration and held too; about it y(u + δ) = Σ V_m φ_m(δ), with vectors V that are linear in the
 //! nodes. The gap −ν·y(δ) is stationary in δ and ν at δ = 0 and the normal there.
 
-use super::element::ElementModel;
 use crate::expr::{Expr, Mat2, Matrix, Vec2, Vec3, Vector, dot};
+use crate::kernel::ElementModel;
 
 /// Names of the vectors that y is made of.
 const VECTORS: [&str; 4] = ["position", "tangent_1", "tangent_2", "twist"];

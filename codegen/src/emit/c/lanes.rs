@@ -15,7 +15,7 @@ use super::nodes::{
 };
 use super::writer::{Access, Writer};
 use crate::graph::{ExprId, NODE_COUNT};
-use crate::model::{ElementSpec, Mode};
+use crate::kernel::{ElementSpec, Mode};
 use crate::schedule::{NodeLoop, Program, Statement};
 
 /// A part of a function's body.

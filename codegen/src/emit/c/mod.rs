@@ -18,8 +18,8 @@ use super::element_kernel::{function_name, title};
 use super::fixed::split;
 use super::tabulated::tabulated;
 use crate::graph::Iteration;
+use crate::kernel::{ElementKernels, ElementSpec, Input, Kernel, Mode, Points, Returned};
 use crate::lower::lower;
-use crate::model::{ElementKernels, ElementSpec, Input, Kernel, Mode, Points, Returned};
 use crate::schedule::{Program, Statement};
 use writer::{Access, Writer};
 

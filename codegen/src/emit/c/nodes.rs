@@ -8,8 +8,8 @@ use super::super::node_element::Scratch;
 use super::writer::{Access, Writer};
 use super::{comment, field, inputs_of, lanes, places, structure, values_of};
 use crate::graph::{ExprId, NODE_COUNT, NODE_INDEX, Op};
+use crate::kernel::{DirectionSymbols, ElementKernels, ElementSpec, Kernel, NodeResult};
 use crate::lower::lower;
-use crate::model::{DirectionSymbols, ElementKernels, ElementSpec, Kernel, NodeResult};
 use crate::schedule::{NodeLoop, NodeTarget, Program};
 
 /// Names of the surrounding code.

@@ -7,7 +7,7 @@ use super::super::expression::Strength;
 use super::super::names::Names;
 use super::{TAKEN, WORDS, places};
 use crate::graph::{ExprId, Function, Graph, Iteration, Limits, Op, RootFigure, RootId};
-use crate::model::ElementSpec;
+use crate::kernel::ElementSpec;
 use crate::schedule::{Layout, Program, Statement};
 
 /// How inputs and outputs are written, from name, place and number.

@@ -2,9 +2,8 @@
 
 use std::cell::{Cell, RefCell};
 
-pub use super::element_error::ElementError;
-pub use super::element_outputs::{Defined, ElementKernels, ElementSpec, NodeResult};
-use super::element_outputs::{Finished, Outputs};
+use super::error::ElementError;
+use super::outputs::{Defined, Finished, Outputs};
 use super::signature::{Differentiated, Input, Points, Quantity, Returned, Role, Signature, is_identifier};
 use crate::expr::{Expr, Sheet, ids};
 use crate::graph::{ExprId, Graph, NODE_COUNT, NODE_INDEX, Op, Scope};

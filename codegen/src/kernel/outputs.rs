@@ -3,9 +3,9 @@
 use rustc_hash::FxHashSet;
 
 use super::element::ElementModel;
-use super::element_error::ElementError;
-use super::kernel::{Kernel, Mode, Value};
+use super::error::ElementError;
 use super::signature::{Differentiated, DirectionSymbols, Input, Returned, Role, Signature};
+use super::{Kernel, Mode, Value};
 use crate::expr::{Expr, Sheet, ids};
 use crate::graph::{ExprId, Graph, NODE_COUNT, NODE_INDEX, Op, RootId, Scope};
 use crate::structure::{
@@ -418,7 +418,7 @@ fn differentiates_figure(x: Expr<'_>) -> bool {
 
 impl Kernel<ElementSpec> {
     /// A kernel of these values and of these of each node; `spec` says which they are.
-    pub(super) fn of_element(
+    pub(crate) fn of_element(
         spec: ElementSpec,
         graph: Graph,
         values: Vec<Value>,
@@ -437,7 +437,7 @@ impl Kernel<ElementSpec> {
     }
 
     /// The results and what they are made of, each once.
-    pub(super) fn reachable(&self) -> Vec<ExprId> {
+    pub(crate) fn reachable(&self) -> Vec<ExprId> {
         let mut results: Vec<ExprId> =
             self.values.iter().flat_map(|value| value.components.clone()).collect();
         results.extend(self.node_values.iter().map(|(_, x)| *x));

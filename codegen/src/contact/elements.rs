@@ -2,15 +2,16 @@
 
 use rustc_hash::FxHashSet;
 
-use super::basis::Basis;
-use super::element_outputs::{ElementKernels, ElementSpec, NodeResult};
-use super::facet::FacetShape;
-use super::kernel::{FrameRule, Kernel, KernelSpec, Mode, Output, Value};
-use super::material::MATERIAL_INPUTS;
-use super::signature::{Differentiated, Input, Points, Returned, Role, Signature};
-use super::weight::{DOMAIN_RATIO, PLANE_REACH, WEIGHT_NUMBER, Weight};
 use crate::expr::AXES;
 use crate::graph::{ExprId, Op};
+use crate::kernel::{
+    Differentiated, ElementKernels, ElementSpec, Input, Kernel, Mode, NodeResult, Points, Returned, Role,
+    Signature, Value,
+};
+use crate::model::{
+    Basis, DOMAIN_RATIO, FacetShape, FrameRule, KernelSpec, MATERIAL_INPUTS, Output, PLANE_REACH,
+    WEIGHT_NUMBER, Weight,
+};
 use crate::structure::{Gradient, Hessian};
 
 /// Derivatives of a kernel by number of derivatives: a value with a Jacobian has no second ones.
@@ -53,7 +54,7 @@ impl ElementKernels {
         };
         let of =
             |&mode: &Mode| Kernel::new(KernelSpec { output, mode, basis, weight: weight.clone(), frame });
-        let kernels: Vec<Kernel> = modes.iter().map(of).collect();
+        let kernels: Vec<Kernel<KernelSpec>> = modes.iter().map(of).collect();
         let signature = contact_signature(&kernels[0]);
         let kernels: Vec<_> = kernels.into_iter().map(|kernel| as_element(kernel, &signature)).collect();
         Self::of_used(signature, kernels)
@@ -84,7 +85,7 @@ fn symbols_read(kernel: &Kernel<ElementSpec>) -> Vec<String> {
 }
 
 /// The signature of a fit's kernel; of its inputs those that there are with its basis, weight and frame.
-pub(crate) fn contact_signature(kernel: &Kernel) -> Signature {
+pub(super) fn contact_signature(kernel: &Kernel<KernelSpec>) -> Signature {
     let KernelSpec { output, basis, weight, frame, .. } = &kernel.spec;
     let (name, moves) = match frame {
         FrameRule::Held => (output.name().to_owned(), ""),
@@ -160,7 +161,7 @@ fn places(output: Output, count: usize) -> Vec<(String, usize)> {
     }
 }
 
-fn as_element(mut kernel: Kernel, signature: &Signature) -> Kernel<ElementSpec> {
+fn as_element(mut kernel: Kernel<KernelSpec>, signature: &Signature) -> Kernel<ElementSpec> {
     let (output, mode) = (kernel.spec.output, kernel.spec.mode);
     let zero = kernel.graph.zero();
     let mut values = std::mem::take(&mut kernel.values);

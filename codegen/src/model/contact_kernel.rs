@@ -1,12 +1,11 @@
-//! The kernels: which outputs of the model are evaluated, with how many derivatives.
-
-use std::borrow::Cow;
+//! The kernels of the contact element: which outputs of the model are evaluated, with how many derivatives.
 
 use super::basis::{Basis, MOST_COEFFICIENTS};
-use super::diffuse::{Diffuse, Equation, FootQuantity};
+use super::diffuse::{Diffuse, FootQuantity};
 use super::weight::Weight;
 use crate::expr::{Expr, Sheet, System, Vector, total};
 use crate::graph::{ExprId, Graph, Scope};
+use crate::kernel::{CHECKSUM, Equation, Kernel, Mode, Value};
 use crate::structure::{Functional, Gradient, Hessian, NodeProblem};
 
 /// What a kernel computes.
@@ -39,31 +38,6 @@ impl Output {
     /// Whether it has a gap, and so a foot and a frame that may move.
     pub const fn has_gap(self) -> bool {
         matches!(self, Self::Gap | Self::Slip)
-    }
-}
-
-/// How many derivatives a kernel computes.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
-pub enum Mode {
-    /// Values.
-    Value,
-    /// Values and first derivatives.
-    Gradient,
-    /// Values, first and second derivatives.
-    Hessian,
-}
-
-impl Mode {
-    /// All modes, fewest derivatives first.
-    pub const ALL: [Self; 3] = [Self::Value, Self::Gradient, Self::Hessian];
-
-    /// Name in emitted code.
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::Value => "value",
-            Self::Gradient => "gradient",
-            Self::Hessian => "hessian",
-        }
     }
 }
 
@@ -120,50 +94,12 @@ impl KernelSpec {
     }
 }
 
-/// A named value of element scope.
-#[derive(Clone, Debug)]
-pub struct Value {
-    /// Field name.
-    pub name: Cow<'static, str>,
-    /// One line: meaning and unit.
-    pub doc: Cow<'static, str>,
-    /// Whether the field is an array, even of length one.
-    pub is_array: bool,
-    /// The components.
-    pub components: Vec<ExprId>,
-}
-
-/// A kernel as expressions.
-#[derive(Clone, Debug)]
-pub struct Kernel<S = KernelSpec> {
-    /// What it is.
-    pub spec: S,
-    /// The graph all ids refer to.
-    pub graph: Graph,
-    /// Results of element scope, diagnostics included.
-    pub values: Vec<Value>,
-    /// Gradients, named.
-    pub gradients: Vec<(&'static str, Gradient)>,
-    /// Hessians, named.
-    pub hessians: Vec<(&'static str, Hessian)>,
-    /// Results of node scope, named.
-    pub node_values: Vec<(&'static str, ExprId)>,
-    /// First derivatives that only a caller who asks for them gets, as combinations of rows b of the first Hessian's terms: a coefficient
-    /// for each term.
-    pub combinations: Vec<(&'static str, Vec<ExprId>)>,
-    /// The formulas behind it.
-    pub equations: Vec<Equation>,
-}
-
-/// The value that says whether all results are finite.
-pub(crate) const CHECKSUM: &str = "checksum";
-
 const COEFFICIENT_NAMES: [&str; MOST_COEFFICIENTS] = [
     "alpha_0", "alpha_1", "alpha_2", "alpha_3", "alpha_4", "alpha_5", "alpha_6", "alpha_7", "alpha_8",
     "alpha_9", "alpha_10", "alpha_11", "alpha_12", "alpha_13", "alpha_14",
 ];
 
-impl Kernel {
+impl Kernel<KernelSpec> {
     /// Builds a kernel from the model.
     pub fn new(spec: KernelSpec) -> Self {
         let equations = vec![

@@ -1,7 +1,7 @@
 //! Unknowns in the formulas of an element: of equations, at minima and stationary values, and those whose values are known.
 
 use super::element::ElementModel;
-use super::element_error::ElementError;
+use super::error::ElementError;
 use super::signature::Quantity;
 use crate::expr::{Expr, Matrix, Vector, total};
 use crate::graph::{ExprId, Iteration, Limits, RootFigure, Scope, SymmetricSystem};

@@ -44,6 +44,16 @@ def test_misaligned_arrays_are_read_and_not_written(elements, scene):
     assert "aligned" in refuses("wrong-shape", dc.gap, slaves, masters, UP, out=bad)
 
 
+def test_entries_that_are_masked_are_refused(elements):
+    slaves, masters = elements
+    mask = np.zeros(np.shape(slaves), dtype=bool)
+    whole = np.ma.masked_array(slaves, mask=mask)
+    np.testing.assert_array_equal(dc.gap(whole, masters, UP).gap, dc.gap(slaves, masters, UP).gap)
+    mask[1, 2] = True
+    message = refuses("wrong-type", dc.gap, np.ma.masked_array(slaves, mask=mask), masters, UP)
+    assert "masked" in message
+
+
 def test_facets_that_are_none(scene):
     for corners, code in (
         (3, "wrong-shape"),

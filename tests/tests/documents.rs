@@ -192,6 +192,59 @@ fn what_the_documents_name_exists() {
     assert!(missing.is_empty(), "not in the sources:\n{}", missing.join("\n"));
 }
 
+/// What lines of shells in the documents begin with, but for paths of programs.
+const COMMANDS: [&str; 11] = [
+    "cargo",
+    "cc",
+    "cd",
+    "diffuse-contact",
+    "diffuse-contact-solve",
+    "export",
+    "gfortran",
+    "mpirun",
+    "pip",
+    "ruff",
+    "sudo",
+];
+
+/// The lines of a document's blocks for shells that are no commands, as where two were joined.
+fn no_commands(text: &str) -> Vec<&str> {
+    let blocks = text.split("\n```").skip(1).step_by(2).filter_map(|block| block.strip_prefix("sh\n"));
+    let is_command = |line: &str| {
+        let first = line.split_whitespace().next().unwrap_or_default();
+        let command = line.split('#').next().unwrap_or_default();
+        let is_one = command.split_whitespace().filter(|word| *word == "cargo").count() <= 1;
+        (COMMANDS.contains(&first) || first.contains('/') || first.starts_with("python3")) && is_one
+    };
+    let continues = |before: Option<&str>| before.is_some_and(|before| before.ends_with('\\'));
+    let lines = blocks.flat_map(|block| {
+        let lines: Vec<&str> = block.lines().collect();
+        let before = [None].into_iter().chain(lines.clone().into_iter().map(Some));
+        lines.into_iter().zip(before).collect::<Vec<_>>()
+    });
+    lines
+        .filter(|&(line, before)| !line.is_empty() && !continues(before) && !is_command(line))
+        .map(|(line, _)| line)
+        .collect()
+}
+
+#[test]
+fn blocks_for_shells_have_a_command_a_line() {
+    let mut documents = Vec::new();
+    files(&root(), ".md", &mut documents);
+    let found: Vec<String> = documents
+        .iter()
+        .flat_map(|document| {
+            let text = fs::read_to_string(document).unwrap();
+            let place = document.strip_prefix(root()).unwrap().display();
+            no_commands(&text).into_iter().map(|line| format!("{place}: {line}")).collect::<Vec<_>>()
+        })
+        .collect();
+    assert!(found.is_empty(), "no commands:\n{}", found.join("\n"));
+    assert_eq!(no_commands("\n```sh\ncargo a # b cargo c\nfor one run\n\ncc a \\\n  b\n```\n").len(), 1);
+    assert_eq!(no_commands("\n```sh\ncargo a cargo b\n```\n").len(), 1);
+}
+
 /// Targets of the links of a document, blocks of code apart.
 fn links(text: &str) -> Vec<&str> {
     let prose = text.split("\n```").step_by(2);

@@ -18,8 +18,8 @@ pub(super) struct AveragePlane<'g> {
 }
 
 impl<'g> AveragePlane<'g> {
-    /// The plane n(θ)·x = c through the nodes minimises Σ ½ ω (z(θ) − c)² over its turn θ and its height c: [T9] and [T14]
-    /// with the plane's height as an unknown, so that all is a sum over nodes. The weight ω of a node does not depend on the
+    /// The plane n(θ)·x = c through the nodes minimises Σ ½ ω (z(θ) − c)² over its turn θ and its height c: [T14] with
+    /// the plane's height as an unknown, so that all is a sum over nodes. The weight ω of a node does not depend on the
     /// turn; `values` are those of variables it depends on. The frame in use is that plane, θ = 0.
     pub fn declare(offset: Vec3<'g>, omega: Expr<'g>, values: Values<'g>) -> Self {
         let sheet = omega.sheet();

@@ -4,8 +4,8 @@ use crate::expr::{Expr, Vec2, Vec3, Vector};
 use crate::graph::{NODE_INDEX, Scope};
 
 /// The node nearest to the slave, whose interpolating weight (16) may be infinite. Its weight times its error,
-/// σ = w_k e_k, is an unknown with the equation e_k = σ/w_k, smooth where 1/w_k = 0: what [T8] does by elimination. The
-/// surface does not depend on which node is the pole.
+/// σ = w_k e_k, is an unknown with the equation e_k = σ/w_k, smooth where 1/w_k = 0. The surface does not depend on
+/// which node is the pole.
 #[derive(Clone, Copy)]
 pub(super) struct Pole<'g> {
     /// 1 at the pole, 0 at the other nodes.

@@ -21,6 +21,8 @@ Planes = ArrayLike | Sequence[tuple[ArrayLike, ArrayLike]]
 
 
 def _array(what: str, values: Any) -> NDArray[Any]:
+    if np.ma.isMaskedArray(values) and np.ma.is_masked(values):
+        raise InputError(f"{what}: entries are masked, and there is nothing to read in their place", "wrong-type")
     try:
         return np.asarray(values)
     except (ValueError, TypeError, OverflowError) as error:

@@ -9,8 +9,9 @@ use crate::status::dc_status;
 use crate::threads;
 
 /// Adds the contact forces R on the nodes to `forces`, one entry per equation, as dc_add_forces does. `active_count`, the number of
-/// slave nodes that carry pressure, and `missed_count` may be NULL. Points are missed that carry no force: of loaded faces those whose line
-/// of force meets no place of the facet over them or whose derivatives overflow, of all faces those without a place on their own curved face.
+/// slave nodes that carry pressure, and `missed_count` may be NULL. Points are missed that carry no force although they should: of loaded
+/// faces those below their facet whose element has no result, those whose line of force meets no place of the facet and those whose
+/// derivatives overflow; of all faces those without a place on their own curved face or the facet.
 ///
 /// DC_OVERFLOW if a sum is not finite: the forces then hold anything, and have to be made anew.
 ///

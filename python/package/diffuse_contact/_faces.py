@@ -356,10 +356,11 @@ class FaceInterface(FrictionHistory):
 
     @property
     def missed(self) -> int:
-        """Points that carry no force in the last evaluation although they have a gap.
+        """Points that carry no force in the last evaluation although they should.
 
-        Of loaded faces those whose line of force meets no place of the facet over them, or whose derivatives overflow;
-        in value mode they are not known. Of all faces, in every mode, those without a place on their own curved face.
+        Of loaded faces those below their facet whose element has no result, those whose line of force meets no place of
+        the facet, and those whose derivatives overflow; the last two are not known in value mode. Of all faces, in every
+        mode, those without a place on their own curved face or on the facet.
 
         Raises:
             InterfaceError: ``"not-evaluated"`` if positions have changed since.

@@ -181,8 +181,9 @@ impl FaceContacts {
         self.nodes.iter().filter(|node| node.pressure > 0.0).count()
     }
 
-    /// Points of loaded faces whose line of force meets no place of the facet over them, or whose derivatives overflow, and points that have
-    /// no place on their own curved face: they carry no force.
+    /// Points that carry no force although they should: of loaded faces those below their facet whose element has no result, those whose
+    /// line of force meets no place of the facet, and those whose derivatives overflow; of all faces those without a place on their own curved
+    /// face or the facet.
     pub const fn missed(&self) -> usize {
         self.missed
     }

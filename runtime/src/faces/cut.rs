@@ -181,20 +181,22 @@ pub fn cut(
             }
             layers.push(Layer { facet, bounds: bounds(&over), over, limit: own_limit, deepest });
             let Some(deepest) = deepest else { continue };
-            for (place, weight) in places {
+            // Corners in one line leave triangles without an area.
+            for (place, weight) in places.into_iter().filter(|&(_, weight)| weight > 0.0) {
                 let x = view.point(place);
-                let Some(height) = height_over(&shape, x, view.normal) else { continue };
-                let Some((natural, weight)) = on_face(face, first, view.normal, (x, weight)) else {
+                let height = height_over(&shape, x, view.normal);
+                if height.is_some_and(|height| height.abs() > own_limit || height < -deepest) {
                     continue;
-                };
-                let is_near = height.abs() <= own_limit && height >= -deepest;
-                if is_near && weight.is_finite() && weight > 0.0 {
-                    let Some(functions) = functions(natural) else {
-                        unplaced += 1;
-                        continue;
-                    };
-                    points.push(FacePoint { facet, natural, weight, functions });
-                    seen.push((place, height));
+                }
+                let placed = on_face(face, first, view.normal, (x, weight)).and_then(|(natural, weight)| {
+                    Some(FacePoint { facet, natural, weight, functions: functions(natural)? })
+                });
+                match (placed, height) {
+                    (Some(point), Some(height)) => {
+                        points.push(point);
+                        seen.push((place, height));
+                    }
+                    _ => unplaced += 1,
                 }
             }
         }
@@ -255,7 +257,8 @@ fn is_nearest(
     !layers.iter().any(is_before)
 }
 
-/// Where a point with an area as it is seen along the normal is on its face, and its area in the first configuration.
+/// Where a point with an area as it is seen along the normal is on its face, and its area in the first configuration; nothing where the
+/// face is folded.
 fn on_face(
     face: &Shape,
     first: &Shape,
@@ -264,11 +267,12 @@ fn on_face(
 ) -> Option<([f64; 2], f64)> {
     let natural = carried(face, x.into(), normal.into(), Mode::Value)?.natural;
     let seen = face.area_element(natural).dot(&normal);
-    Some((natural, area * first.area_element(natural).norm() / seen))
+    let weight = area * first.area_element(natural).norm() / seen;
+    (weight.is_finite() && weight > 0.0).then_some((natural, weight))
 }
 
 /// How far a facet is from a point along the normal of the point's face: negative where the point lies below the facet.
-fn height_over(shape: &Shape, x: Vector3, normal: Vector3) -> Option<f64> {
+pub fn height_over(shape: &Shape, x: Vector3, normal: Vector3) -> Option<f64> {
     let over = carried(shape, x.into(), normal.into(), Mode::Value)?;
     Some((shape.point(over.natural) - x).dot(&normal))
 }

@@ -6,7 +6,7 @@ use rayon::prelude::*;
 
 use super::block::{FaceBlock, FaceLoad, FacePlaces, FaceView, PointContact, PointScratch, place};
 use super::contacts::{FaceContacts, FacePart, FrictionBlock, NodeBlock, NodeContact};
-use super::cut::FacePoint;
+use super::cut::{FacePoint, height_over};
 use super::friction::Traction;
 use super::track::Track;
 use super::{FaceCut, FaceInterface, FacePressures};
@@ -32,6 +32,8 @@ pub(super) struct Averages {
     /// The average of ∂g/∂x of each node's points, if asked for.
     pub normals: Vec<Vector3>,
     pub points: PointStates,
+    /// Points of loaded faces that lie below their facet, and whose element has no result.
+    pub missed: usize,
 }
 
 /// What the first look finds at each point.
@@ -95,10 +97,15 @@ impl FaceInterface {
         let is_by_points = self.options.pressures == FacePressures::Points;
         let mut points = PointStates::default();
         points.is_contact.reserve(self.points.len());
-        let mut failed = None;
+        let (mut failed, mut without_result) = (None, Vec::new());
         self.for_each_point(mode, |face, point, functions, contact| {
             let is_contact = contact.outcome.is_contact();
             points.is_contact.push(is_contact);
+            if let Outcome::None(NoContact::Element { .. } | NoContact::NoCandidate { .. }) = contact.outcome
+                && self.is_below_facet(face, point)
+            {
+                without_result.push(face);
+            }
             let mut own = NormalForce { force: 0.0, stiffness: 0.0 };
             if is_by_points {
                 if is_contact {
@@ -141,7 +148,17 @@ impl FaceInterface {
         for (k, node) in nodes.iter_mut().enumerate() {
             *node = self.average(k, *node, normals.get_mut(k), law)?;
         }
-        Ok(Averages { nodes, normals, points })
+        let is_loaded = |face: &usize| self.places_of(*face).any(|place| nodes[place].pressure > 0.0);
+        let missed = without_result.iter().filter(|face| is_loaded(face)).count();
+        Ok(Averages { nodes, normals, points, missed })
+    }
+
+    /// Whether a point of a face lies below its facet, seen along the face's normal.
+    fn is_below_facet(&self, face: usize, point: &FacePoint) -> bool {
+        let x = Vector3::from(self.skin.position(face, point.natural, &self.positions));
+        let facet = shape_of(&self.master().facet(point.facet as usize), &self.positions);
+        let normal = shape_of(&self.faces[face], &self.positions).normal();
+        height_over(&facet, x, normal).is_none_or(|height| height < 0.0)
     }
 
     /// The average at a node from the sums over its points, and its pressure. `normal`: the sum of ∂g/∂x.

@@ -177,9 +177,8 @@ impl FaceInterface {
         }
         self.check_law(law)?;
         let history = self.present_history();
-        let Averages { mut nodes, normals, points } = self.averages(law, true)?;
+        let Averages { mut nodes, normals, points, .. } = self.averages(law, true)?;
         let present = self.present_tracks(&nodes, &points)?;
-        let is_augmented = law.friction.is_some_and(|friction| friction.is_augmented());
         let mut report = FrictionReport::default();
         let mut tracks = Vec::with_capacity(nodes.len());
         for (k, (node, present)) in nodes.iter_mut().zip(present).enumerate() {
@@ -194,55 +193,86 @@ impl FaceInterface {
                 tracks.push(None);
                 continue;
             };
-            let is_open = !(node.pressure > 0.0);
-            let closed = old.filter(|_| !is_open);
-            report.unanchored += usize::from(!is_open && closed.is_none());
+            let closed = old.filter(|_| node.pressure > 0.0);
             let traction = match (&law.friction, closed) {
                 (Some(friction), Some(old)) => {
                     Some(self.traction(law, friction, (k, node), normals[k], old)?)
                 }
                 _ => None,
             };
-            let mut limit = law.friction.as_ref().map_or(0.0, |friction| friction.limit(node.pressure));
-            if let (Some(Traction { value, sliding, slip, .. }), Some(old)) = (&traction, closed) {
-                report.stuck += usize::from(sliding.state == FrictionState::Stick);
-                report.sliding += usize::from(sliding.state == FrictionState::Slip);
-                report.dissipated += node.area * sliding.dissipated(slip.norm(), old.anchor.before_step());
-                if sliding.state == FrictionState::Slip {
-                    limit = Vector3::from(*value).norm();
-                }
-            } else if let Some(old) = old.filter(|_| is_open) {
-                let way = self.since_stuck(node, normals[k], old).norm();
-                report.dissipated += node.area * Sliding::OPEN.dissipated(way, old.anchor.before_step());
-            }
-            let track = match (closed, &traction) {
-                (Some(old), Some(Traction { sliding, .. })) if sliding.kept == 1.0 => {
-                    let origin = old.anchor.origin.clone().filter(|_| is_augmented);
-                    old.clone().with_origin(origin).with_limit(limit, sliding.state == FrictionState::Slip)
-                }
-                (old, traction) => {
-                    let (kept, slip) =
-                        traction.as_ref().map_or((0.0, Vector3::zeros()), |of| (of.sliding.kept, of.slip));
-                    let drawn = old.map_or(present.clone(), |old| old.towards(&present, 1.0 - kept));
-                    // Of what touches first.
-                    let gap = match self.options.pressures {
-                        FacePressures::Nodes => node.gap,
-                        FacePressures::Points => node.smallest_gap,
-                    };
-                    let opening = if is_open { law.opening(k, gap)? } else { 0.0 };
-                    let slides = traction.as_ref().is_some_and(|of| of.sliding.state == FrictionState::Slip);
-                    // Where it sticks from now on: without any slip.
-                    let stuck = || drawn.clone().with_slip(Vector3::zeros(), normals[k], &self.positions);
-                    let origin = (slides && is_augmented).then(|| stuck().anchor.point);
-                    let drawn = drawn.with_slip(slip * kept, normals[k], &self.positions);
-                    drawn.with_opening(opening).with_limit(limit, slides).with_origin(origin)
-                }
-            };
-            tracks.push(Some(track));
+            self.count(&mut report, (node, normals[k]), old, traction.as_ref());
+            tracks.push(Some(self.next_track(
+                law,
+                (k, node, normals[k]),
+                (closed, present),
+                traction.as_ref(),
+            )?));
         }
         self.tracks = Some(tracks);
         self.augmented = None;
         Ok(if law.friction.is_some() { report } else { FrictionReport::default() })
+    }
+
+    /// Adds what a node in contact did in the step to a report. `old`: its history before; `traction`: its friction if it was closed and is.
+    fn count(
+        &self,
+        report: &mut FrictionReport,
+        (node, normal): (&NodeContact, Vector3),
+        old: Option<&Track>,
+        traction: Option<&Traction>,
+    ) {
+        let is_open = !(node.pressure > 0.0);
+        let Some(old) = old else {
+            report.unanchored += usize::from(!is_open);
+            return;
+        };
+        let before = old.anchor.before_step();
+        let work = match traction {
+            Some(Traction { sliding, slip, .. }) => {
+                report.stuck += usize::from(sliding.state == FrictionState::Stick);
+                report.sliding += usize::from(sliding.state == FrictionState::Slip);
+                sliding.dissipated(slip.norm(), before)
+            }
+            None if is_open => Sliding::OPEN.dissipated(self.since_stuck(node, normal, old).norm(), before),
+            None => 0.0,
+        };
+        report.dissipated += node.area * work;
+    }
+
+    /// The history of a node in contact from now on. `closed`: that of before if the node carries pressure; `present`: one that begins
+    /// here.
+    fn next_track(
+        &self,
+        law: &ContactLaw<'_>,
+        (k, node, normal): (usize, &NodeContact, Vector3),
+        (closed, present): (Option<&Track>, Track),
+        traction: Option<&Traction>,
+    ) -> Result<Track, InterfaceError> {
+        let is_augmented = law.friction.is_some_and(|friction| friction.is_augmented());
+        let sliding = traction.filter(|of| of.sliding.state == FrictionState::Slip);
+        let limit = match sliding {
+            Some(of) => Vector3::from(of.value).norm(),
+            None => law.friction.as_ref().map_or(0.0, |friction| friction.limit(node.pressure)),
+        };
+        let (kept, slip) = traction.map_or((0.0, Vector3::zeros()), |of| (of.sliding.kept, of.slip));
+        if let Some(old) = closed.filter(|_| kept == 1.0) {
+            // It has not moved.
+            let origin = old.anchor.origin.clone().filter(|_| is_augmented);
+            let track = old.clone().with_opening(0.0).with_origin(origin);
+            return Ok(track.with_limit(limit, sliding.is_some()));
+        }
+        let drawn = closed.map_or(present.clone(), |old| old.towards(&present, 1.0 - kept));
+        // Of what touches first.
+        let gap = match self.options.pressures {
+            FacePressures::Nodes => node.gap,
+            FacePressures::Points => node.smallest_gap,
+        };
+        let opening = if node.pressure > 0.0 { 0.0 } else { law.opening(k, gap)? };
+        // Where it sticks from now on: without any slip.
+        let stuck = || drawn.clone().with_slip(Vector3::zeros(), normal, &self.positions);
+        let origin = (sliding.is_some() && is_augmented).then(|| stuck().anchor.point);
+        let drawn = drawn.with_slip(slip * kept, normal, &self.positions);
+        Ok(drawn.with_opening(opening).with_limit(limit, sliding.is_some()).with_origin(origin))
     }
 
     /// The history that friction is measured from: that of the last accepted step, or what augmentation made of it.

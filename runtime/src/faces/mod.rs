@@ -483,9 +483,10 @@ impl FaceInterface {
     /// which there are no contacts. A law with friction needs a state that was [accepted](Self::accept) before nodes carry pressure.
     pub fn evaluate(&mut self, law: &ContactLaw<'_>, mode: Mode) -> Result<&FaceContacts, InterfaceError> {
         self.check_law(law)?;
-        let Averages { mut nodes, normals, points } = self.averages(law, law.friction.is_some())?;
+        let Averages { mut nodes, normals, points, missed } = self.averages(law, law.friction.is_some())?;
         let tractions = self.tractions(law, &mut nodes, &normals)?;
-        let mut contacts = FaceContacts { nodes, mode, missed: self.unplaced, ..FaceContacts::default() };
+        let missed = self.unplaced + missed;
+        let mut contacts = FaceContacts { nodes, mode, missed, ..FaceContacts::default() };
         if mode >= Mode::Gradient {
             // In the memory of the last evaluation: new pages would take as long as their numbers.
             let earlier = std::mem::take(&mut self.contacts).faces;

@@ -56,6 +56,25 @@ fn a_facet_that_has_become_concave_carries_its_whole_area() {
     }
 }
 
+/// A node has moved over the next one: the fit has no result around it, while the faces over it stay loaded.
+#[test]
+fn points_of_loaded_faces_without_a_result_are_counted() {
+    let pair = Pair::new([6, 4], false, |x, y| [x, y, 0.0], |x, y| [x, y, -0.01]);
+    let mut interface = pair.interface(ContactElement::default(), FaceRule::Second);
+    let force = |interface: &FaceInterface| -> f64 {
+        interface.contacts().nodes().iter().map(NodeContact::force).sum()
+    };
+    for (moved, misses) in [(0.9, false), (1.0, true), (1.5, true)] {
+        let mut positions = pair.positions.clone();
+        positions[3 + 7 * 3][0] -= moved;
+        interface.refresh(&positions).unwrap();
+        for mode in [Mode::Value, Mode::Gradient] {
+            let missed = interface.evaluate(&ContactLaw::penalty(100.0), mode).unwrap().missed();
+            assert_eq!((missed > 0, force(&interface) < 35.9), (misses, misses), "{moved}: {missed}");
+        }
+    }
+}
+
 #[test]
 fn nodes_between_corners_of_second_order_are_looked_at() {
     // Of facets between the corners alone, the middles are nodes of no facet.

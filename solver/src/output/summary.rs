@@ -270,7 +270,7 @@ impl Summary {
             ),
             (
                 self.points_missed,
-                "points of loaded faces carried no force, over all increments: their line of force met no place of the facet over them"
+                "points of loaded faces carried no force, over all increments: their element had no result, or their line of force met no place of the facet"
                     .to_owned(),
             ),
             (

@@ -319,7 +319,7 @@ impl Progress {
         }
         if record.missed > 0 {
             say(&format!(
-                "  warning: {} points of loaded faces carry no force: their line of force meets no place of the facet over them",
+                "  warning: {} points of loaded faces carry no force: their element has no result, or their line of force meets no place of the facet",
                 record.missed
             ));
         }

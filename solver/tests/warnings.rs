@@ -494,6 +494,24 @@ fn penetration_beside_the_mesh_is_told() {
     assert!(default.penetrations.is_empty() && told(&default).is_empty(), "{:?}", default.warnings);
 }
 
+/// A thin roller goes into a coarse block between its nodes, which carry nothing. With a finer block, or with faces, it is held.
+#[test]
+fn nodes_of_the_master_between_slaves_are_told() {
+    let scratch = Scratch::new("between");
+    let roller = PRESSED
+        .replace("shape = \"rigid-plane\"\nsize = [3.0, 2.0]\ndivisions = [6, 4]\n\n[parts.cellar]", "shape = \"rigid-cylinder\"\naxis = \"y\"\nradius = 0.2\nlength = 2.0\ndivisions = [24, 4]\ntranslate = [1.5, 0.0, -0.15]\n\n[parts.cellar]");
+    let told = |deck: &str| -> Vec<String> {
+        let (_, summary) = run(&scratch, deck, false, None);
+        summary.warnings.into_iter().filter(|one| one.contains("between its nodes")).collect()
+    };
+    let sentences = told(&roller);
+    assert!(sentences.len() == 1 && sentences[0].contains("`floor`"), "{sentences:?}");
+    let fine = roller.replace("divisions = [3, 2, 2]", "divisions = [24, 2, 2]");
+    let faces =
+        roller.replacen("slave = \"block.z-\"\n", "slave = \"block.z-\"\nintegration = \"faces\"\n", 1);
+    assert_eq!((told(&fine), told(&faces)), (Vec::new(), Vec::new()));
+}
+
 /// A comma in a name is an underscore in those of columns, where another interface may have one.
 #[test]
 fn interfaces_of_like_names_have_columns_of_their_own() {

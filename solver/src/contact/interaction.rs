@@ -10,6 +10,7 @@ use diffuse_contact::neighbourhood::Fallback;
 use diffuse_contact::surface::{Facet, tributary_areas};
 use diffuse_contact::{Mode, Point};
 
+use super::between::Between;
 use super::face_pass::FacePass;
 use super::fallbacks::Fallbacks;
 use super::losses::is_failure;
@@ -124,6 +125,8 @@ pub struct Interaction {
     slave_facets: usize,
     /// The multipliers of each pass from before others were supposed.
     before: Vec<Vec<f64>>,
+    /// Over nodes in one pass: what tells nodes of the master between slaves.
+    between: Option<Between>,
 }
 
 impl Interaction {
@@ -170,7 +173,10 @@ impl Interaction {
         let other = if options.self_contact { &[] } else { master };
         let facets = [slave, other].concat();
         let (slave_facets, before) = (slave.len(), Vec::new());
-        Ok(Self { options, passes, sizes, areas, local_sizes, facets, slave_facets, before })
+        let is_one_sided =
+            options.integration == Integration::Nodes && !options.two_pass && !options.self_contact;
+        let between = is_one_sided.then(|| Between::new(positions, slave, passes[0].master())).flatten();
+        Ok(Self { options, passes, sizes, areas, local_sizes, facets, slave_facets, before, between })
     }
 
     /// The options.
@@ -205,13 +211,20 @@ impl Interaction {
 
     /// Slaves that carry force deep below the master, beside the size of their facets, at the last evaluation. Where slave and masters are all
     /// prescribed it is the deck's, and left out. `longest`: the longest way of a node.
-    pub fn penetration(&self, longest: f64) -> Penetration {
-        let mut all = Penetration::default();
+    pub fn penetration(&self, positions: &[Point], longest: f64) -> Penetration {
+        let (mut all, mut deepest) = (Penetration::default(), 0.0_f64);
         for slave in self.slaves().filter(|slave| slave.force > 0.0 && !slave.is_held) {
-            all.count(slave.gap.map_or(0.0, |gap| -gap / self.facet_size_at(slave.node)));
+            let part = slave.gap.map_or(0.0, |gap| -gap / self.facet_size_at(slave.node));
+            deepest = deepest.max(part);
+            all.count(part);
         }
         if self.slaves().all(|slave| slave.is_held) {
             return all;
+        }
+        if let Some(between) = &self.between {
+            let sizes = &self.local_sizes;
+            let depths = between.depths(positions, |node| sizes.get(&node).copied().unwrap_or(0.0));
+            depths.into_iter().for_each(|part| all.count_master(part, deepest));
         }
         for (pass, size) in self.passes.iter().zip(&self.sizes) {
             let (penalty, multipliers) = (pass.state().penalty(), &pass.state().multipliers);

@@ -7,6 +7,7 @@
 
 mod adjust;
 mod beginning;
+mod between;
 mod error;
 mod face_pass;
 mod fallbacks;
@@ -43,9 +44,9 @@ pub use tracks::Way;
 
 use std::collections::BTreeMap;
 
-use diffuse_contact::Mode;
 use diffuse_contact::assembly::Tangent;
 use diffuse_contact::interface::FrictionReport;
+use diffuse_contact::{Mode, Point};
 
 use crate::system::{BlockMatrix, Symmetry};
 
@@ -333,9 +334,13 @@ impl ContactSet {
     }
 
     /// Names of the interfaces with slaves that lie deep below their masters, beside the size of their facets or the longest way of a node,
-    /// at the last evaluation.
-    pub fn penetrations(&self, longest: f64) -> impl Iterator<Item = (String, Penetration)> {
-        self.named(move |own| own.penetration(longest)).filter(|(_, found)| !found.is_none())
+    /// at the last evaluation, which was at these positions, or with nodes of the master in the slave's faces.
+    pub fn penetrations(
+        &self,
+        positions: &[Point],
+        longest: f64,
+    ) -> impl Iterator<Item = (String, Penetration)> {
+        self.named(move |own| own.penetration(positions, longest)).filter(|(_, found)| !found.is_none())
     }
 
     /// Names of the interfaces over faces whose average gaps are open, but points of whose faces nearly touch, at the last evaluation.

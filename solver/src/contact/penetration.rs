@@ -6,6 +6,9 @@ use serde::{Deserialize, Serialize};
 /// Penetration over the size of the facets around a slave from which it is no longer well below the error of the mesh.
 const DEEP: f64 = 0.05;
 
+/// A node of the master that lies deeper in the slave's faces than slaves in the master by this factor lies between them.
+const BETWEEN: f64 = 3.0;
+
 /// Points that lie so much deeper than their average, over the longest way of a node, touch late enough to be told.
 const LATE: f64 = 0.05;
 
@@ -18,6 +21,11 @@ pub struct Penetration {
     pub slaves: usize,
     /// The deepest of them, over the size of its facets.
     pub part: f64,
+    /// Over nodes in one pass: how many nodes of the master lie deeper than 5 % of their size in the slave's faces, between its nodes, and
+    /// three times deeper than any slave in the master.
+    pub masters: usize,
+    /// The deepest of them, over the size of the faces.
+    pub part_of_masters: f64,
     /// How many integration points under pressure lie deeper than 5 % of the mean size of the slave's faces, and three times deeper than the
     /// average of their nodes.
     pub points: usize,
@@ -31,7 +39,7 @@ pub struct Penetration {
 impl Penetration {
     /// Whether there are none.
     pub(crate) fn is_none(&self) -> bool {
-        self.slaves == 0 && self.points == 0 && !(self.part_of_motion > LATE)
+        self.slaves == 0 && self.masters == 0 && self.points == 0 && !(self.part_of_motion > LATE)
     }
 
     /// Counts an integration point that lies so deep, over the size of faces, and so much deeper than the average, over the longest way of a
@@ -42,6 +50,13 @@ impl Penetration {
         }
         if part > DEEP {
             (self.points, self.part_of_points) = (self.points + 1, self.part_of_points.max(part));
+        }
+    }
+
+    /// Counts a node of the master that lies so deep in the slave's faces, over their size, where slaves lie so deep at most.
+    pub(super) fn count_master(&mut self, part: f64, of_slaves: f64) {
+        if part > DEEP && part > BETWEEN * of_slaves {
+            (self.masters, self.part_of_masters) = (self.masters + 1, self.part_of_masters.max(part));
         }
     }
 
@@ -58,6 +73,8 @@ impl Penetration {
         Self {
             slaves: self.slaves.max(other.slaves),
             part: self.part.max(other.part),
+            masters: self.masters.max(other.masters),
+            part_of_masters: self.part_of_masters.max(other.part_of_masters),
             points: self.points.max(other.points),
             part_of_points: self.part_of_points.max(other.part_of_points),
             part_of_motion: self.part_of_motion.max(other.part_of_motion),
@@ -67,7 +84,7 @@ impl Penetration {
     /// What to think of it, in sentences about an interface with this penalty.
     pub fn warnings(&self, interface: &str, penalty: f64) -> Vec<String> {
         let interface = shown(interface);
-        let Self { slaves, part, points, part_of_points, part_of_motion } = self;
+        let Self { slaves, part, masters, part_of_masters, points, part_of_points, part_of_motion } = self;
         let mut warnings = Vec::new();
         if *slaves > 0 {
             warnings.push(format!(
@@ -75,6 +92,14 @@ impl Penetration {
                  facets, by up to {:.1} %, with the penalty {penalty:.3e}: a stiffer one, or method = \"augmented-lagrangian\", lets them in \
                  less",
                 100.0 * part
+            ));
+        }
+        if *masters > 0 {
+            warnings.push(format!(
+                "interface `{interface}`: up to {masters} nodes of the master ended an increment in the slave's faces between its nodes, by up to \
+                 {:.1} % of the faces' size, where nothing holds them: the slave is coarse beside the master, and forces are too small; \
+                 exchange = true, integration = \"faces\", two_pass = true or smaller faces of the slave help",
+                100.0 * part_of_masters
             ));
         }
         if *points > 0 || *part_of_motion > LATE {
@@ -103,11 +128,17 @@ mod tests {
     fn deep_slaves_do_not_hide_deep_points() {
         let slaves = Penetration { slaves: 4, part: 0.067, ..Penetration::default() };
         let points = Penetration { points: 68, part_of_points: 0.171, ..Penetration::default() };
+        let masters = Penetration { masters: 3, part_of_masters: 0.12, ..Penetration::default() };
         let late = Penetration { part_of_motion: 0.5, ..Penetration::default() };
         let said = |found: Penetration| found.warnings("c", 8e3);
         assert!(said(Penetration::default()).is_empty());
         let [deep] = &said(slaves)[..] else { panic!("one") };
         assert!(deep.contains("up to 4 slaves ended an increment deeper below the master"), "{deep}");
+        let [between] = &said(masters)[..] else { panic!("one") };
+        assert!(
+            between.contains("up to 3 nodes of the master ended an increment in the slave's faces"),
+            "{between}"
+        );
         for found in [points, late] {
             let [coarse] = &said(found)[..] else { panic!("one") };
             assert!(coarse.contains(

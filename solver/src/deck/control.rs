@@ -50,25 +50,21 @@ named!(Colour {
     Pressure => "pressure",
 });
 
-/// Increments below this part of the whole time are not asked for: there would be more than 32 bits can count.
-const SMALLEST_INCREMENT: f64 = 1e-9;
-
 pub(super) fn time(deck: &Section) -> Result<TimeSettings, DeckError> {
     let section = deck.need_table("time")?.section()?.expect(schema::TIME)?;
     let end = section.or("end", 1.0, Field::positive)?;
-    let sensible = |value| value >= SMALLEST_INCREMENT * end && value <= end;
+    let sensible = |value| value >= TimeSettings::ROUNDING * end && value <= end;
     let increment = section.need("increment")?.number_in("from 1e-9 times end to end", sensible)?;
     if section.or("fixed", false, Field::flag)? {
         section.refuse(&["minimum", "maximum", "growth", "cutback"], "beside fixed = true")?;
         return Ok(TimeSettings::fixed(end, increment));
     }
-    let within = |value| value >= SMALLEST_INCREMENT * end && value <= increment;
+    let within = |value| value >= TimeSettings::ROUNDING * end && value <= increment;
     let above = |value| value >= increment && value <= end;
     let mut time = TimeSettings::new(end, increment);
-    time.minimum = match section.get("minimum") {
-        Some(field) => field.number_in("from 1e-9 times end to increment", within)?,
-        None => time.minimum.max(SMALLEST_INCREMENT * end),
-    };
+    section.set("minimum", &mut time.minimum, |field| {
+        field.number_in("from 1e-9 times end to increment", within)
+    })?;
     section.set("maximum", &mut time.maximum, |field| field.number_in("from increment to end", above))?;
     section.set("growth", &mut time.growth, |field| {
         field.number_in("from 1 to 10", |value| (1.0..=10.0).contains(&value))

@@ -517,6 +517,7 @@ impl<'a> Increment<'a> {
         let way = Way { from: &committed.positions, to: &state.positions };
         let imbalance: Vec<f64> = problem.imbalance().collect();
         let groups = 0..problem.supports().groups().len();
+        let longest = problem.largest_motion(&state.positions);
         let record = IncrementRecord {
             number: state.increments,
             time: end,
@@ -530,7 +531,7 @@ impl<'a> Increment<'a> {
             lost: problem.contacts().lost(way).count(),
             vanished: problem.contacts().vanished(way).collect(),
             fallbacks: problem.contacts().fallbacks().collect(),
-            penetrations: problem.contacts().penetrations(problem.largest_motion(&state.positions)).collect(),
+            penetrations: problem.contacts().penetrations(&state.positions, longest).collect(),
             missed: problem.contacts().missed(),
             supposed: problem.supposed,
             softened: self.is_softened,

@@ -137,6 +137,16 @@ impl Statics {
                 return outside(what, count as f64, "at most 4294967295");
             }
         }
+        for history in &state.friction {
+            let is_over = history.anchors_before.is_empty() || history.lasted > 0.0;
+            if !(0.0..=f64::MAX).contains(&history.lasted) || !is_over {
+                let range = "positive and finite where anchors of its start are given";
+                return outside("length of the last increment", history.lasted, range);
+            }
+            if !history.dissipated.is_finite() {
+                return outside("work of friction", history.dissipated, "finite");
+            }
+        }
         self.problem.check_state(state)
     }
 

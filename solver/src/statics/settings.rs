@@ -112,6 +112,8 @@ impl Settings {
         ] {
             within(name, value, value > 0.0 && value.is_finite(), "positive and finite")?;
         }
+        let is_felt = time.minimum >= TimeSettings::ROUNDING * time.end;
+        within("time.minimum", time.minimum, is_felt, "at least 1e-9 of time.end")?;
         let (growth, cutback, absolute) = (time.growth, time.cutback, newton.absolute.unwrap_or_default());
         within("time.growth", growth, growth >= 1.0 && growth.is_finite(), "at least 1 and finite")?;
         within("time.cutback", cutback, cutback > 0.0 && cutback < 1.0, "between 0 and 1")?;
@@ -133,9 +135,10 @@ impl Settings {
 }
 
 impl TimeSettings {
-    /// Increments that start at `increment` and grow no further; cutting back stops after ten halvings.
+    /// Increments that start at `increment` and grow no further; cutting back stops after ten halvings, or at a billionth of the end.
     pub const fn new(end: f64, increment: f64) -> Self {
-        Self { end, increment, minimum: increment / 1024.0, maximum: increment, growth: 1.5, cutback: 0.5 }
+        let minimum = (increment / 1024.0).max(Self::ROUNDING * end);
+        Self { end, increment, minimum, maximum: increment, growth: 1.5, cutback: 0.5 }
     }
 
     /// All increments are equal: there is no growth and no cut-back, and what fails ends the run.
@@ -143,8 +146,9 @@ impl TimeSettings {
         Self { minimum: increment, growth: 1.0, ..Self::new(end, increment) }
     }
 
-    /// Rounding of a sum of increments, relative to the end.
-    pub(super) const ROUNDING: f64 = 1e-9;
+    /// Rounding of a sum of increments, relative to the end. Shorter ones leave time where it is, and there would be more than 32 bits can
+    /// count.
+    pub(crate) const ROUNDING: f64 = 1e-9;
 
     pub(super) fn is_over(&self, time: f64) -> bool {
         time >= self.end * (1.0 - Self::ROUNDING)

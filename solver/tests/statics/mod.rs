@@ -10,6 +10,7 @@ mod start;
 
 use std::path::Path;
 
+use diffuse_contact_solver::contact::FrictionHistory;
 use diffuse_contact_solver::deck::Deck;
 use diffuse_contact_solver::model::Model;
 use diffuse_contact_solver::solve;
@@ -484,6 +485,12 @@ fn a_state_of_another_problem_is_refused() {
     let mut state = statics.problem().start();
     state.multipliers.clear();
     assert!(matches!(statics.check_state(&state), Err(StaticsError::Contact(_))));
+    // A law that asks for the speed of sliding would divide by it.
+    let mut state = statics.problem().start();
+    state.friction = vec![FrictionHistory { anchors_before: vec![0.0], ..FrictionHistory::default() }];
+    let error = statics.check_state(&state).unwrap_err();
+    let what = "length of the last increment";
+    assert!(matches!(error, StaticsError::StateOutOfRange { what: found, .. } if found == what), "{error}");
 }
 
 #[test]
@@ -492,9 +499,10 @@ fn a_setting_out_of_range_is_named() {
     let problem = || solve::problem(&deck, &model, 1).unwrap();
     let good = solve::settings(&deck);
     type Spoil = fn(&mut Settings);
-    let spoilt: [(Spoil, &str); 6] = [
+    let spoilt: [(Spoil, &str); 7] = [
         (|settings| settings.time.end = f64::NAN, "time.end"),
         (|settings| settings.time.minimum = 0.0, "time.minimum"),
+        (|settings| settings.time.minimum = 1e-10 * settings.time.end, "time.minimum"),
         (|settings| settings.time.cutback = 1.0, "time.cutback"),
         (|settings| settings.time.growth = 0.5, "time.growth"),
         (|settings| settings.newton.tolerance = -1.0, "newton.tolerance"),

@@ -4,6 +4,7 @@
 use std::collections::HashSet;
 use std::fs;
 use std::path::{Path, PathBuf};
+use std::process::Command;
 
 use syn::{ImplItem, Item, TraitItem, Type, UseTree};
 
@@ -243,6 +244,26 @@ fn blocks_for_shells_have_a_command_a_line() {
     assert!(found.is_empty(), "no commands:\n{}", found.join("\n"));
     assert_eq!(no_commands("\n```sh\ncargo a # b cargo c\nfor one run\n\ncc a \\\n  b\n```\n").len(), 1);
     assert_eq!(no_commands("\n```sh\ncargo a cargo b\n```\n").len(), 1);
+}
+
+/// Cargo's own commands hide aliases of the same name.
+#[test]
+fn aliases_are_no_commands_of_cargo() {
+    let config = fs::read_to_string(root().join(".cargo/config.toml")).unwrap();
+    let aliases: Vec<&str> = config
+        .lines()
+        .skip_while(|line| *line != "[alias]")
+        .filter_map(|line| line.split_once(" = "))
+        .map(|(name, _)| name)
+        .collect();
+    assert!(aliases.len() > 2, "{aliases:?}");
+    // Where the aliases are not known.
+    let cargo = std::env::var("CARGO").unwrap();
+    let listed = Command::new(cargo).arg("--list").current_dir(std::env::temp_dir()).output().unwrap();
+    let listed = String::from_utf8(listed.stdout).unwrap();
+    let own: HashSet<&str> = listed.lines().filter_map(|line| line.split_whitespace().next()).collect();
+    assert!(own.contains("report"), "{listed}");
+    assert!(aliases.iter().all(|alias| !own.contains(alias)), "{aliases:?}");
 }
 
 /// Targets of the links of a document, blocks of code apart.

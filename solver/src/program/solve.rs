@@ -137,7 +137,9 @@ pub fn report(arguments: &ReportArguments) -> Result<(), CliError> {
     output::check_page(&arguments.output)?;
     let directories: Vec<&Path> = arguments.directories.iter().map(PathBuf::as_path).collect();
     let page = page(&directories).map_err(|reason| CliError::job(SolveError::from(reason)))?;
-    output::write_file(&arguments.output, |writer| writer.write_all(page.as_bytes()))
+    output::write_file(&arguments.output, |writer| writer.write_all(page.as_bytes()))?;
+    say(&format!("wrote {}", arguments.output.display()));
+    Ok(())
 }
 
 /// The first interrupt asks the run to end, the second ends the program.

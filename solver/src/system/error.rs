@@ -17,7 +17,7 @@ pub enum SystemError {
     /// The matrix is singular to rounding. The residual is ‖b − K x‖ / ‖b‖ of the best attempt, or 1 if there was none. The condition is a
     /// lower bound of ‖K‖ ‖K⁻¹‖ in the maximum norm; it is infinite if a pivot is zero.
     #[error(
-        "the matrix of {equations} equations is singular: relative residual {residual:e}, condition at least {condition:e}"
+        "the matrix of {equations} equations is singular: relative residual {residual:.1e}, condition at least {condition:.1e}"
     )]
     Singular { equations: usize, residual: f64, condition: f64 },
     /// The iterative solution did not get as far as it should. The residual is ‖b − K x‖ over the size of b, see

@@ -120,7 +120,7 @@ fn both_elements_are_drawn_together() {
     assert_eq!(run(&["solve", &deck, "--out", &one]).code, 0);
     assert_eq!(run(&["solve", &classic, "--out", &two]).code, 0);
     let written = run(&["report", &one, &two, "-o", &page]);
-    assert_eq!((written.code, written.stderr.as_str()), (0, ""), "{written:?}");
+    assert_eq!((written.code, written.stderr), (0, format!("wrote {page}\n")));
     let text = fs::read_to_string(&page).unwrap();
     assert!(text.contains("<title>Block &amp; &lt;wave&gt;</title>"));
     for loaded in ["src=\"http", "href=\"http", "@import", "src=\"//"] {

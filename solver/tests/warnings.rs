@@ -512,6 +512,21 @@ fn nodes_of_the_master_between_slaves_are_told() {
     assert_eq!((told(&fine), told(&faces)), (Vec::new(), Vec::new()));
 }
 
+/// One face over a whole mesh: roles the other way round are told, and those the right way are not.
+#[test]
+fn faces_over_a_hundred_facets_are_told() {
+    let scratch = Scratch::new("coarse");
+    let coarse =
+        PRESSED.replace("divisions = [6, 4]", "divisions = [1, 1]").replace("[3, 2, 2]", "[12, 6, 1]");
+    let faces = coarse.replace("slave = \"block.z-\"", "slave = \"block.z-\"\nintegration = \"faces\"");
+    let told = |deck: &str| -> usize {
+        let (_, summary) = run(&scratch, deck, false, Some(1));
+        summary.warnings.iter().filter(|one| one.contains("the area of some 216 facets")).count()
+    };
+    let exchanged = faces.replace("integration = \"faces\"", "integration = \"faces\"\nexchange = true");
+    assert_eq!((told(&faces), told(&exchanged)), (0, 2));
+}
+
 /// A comma in a name is an underscore in those of columns, where another interface may have one.
 #[test]
 fn interfaces_of_like_names_have_columns_of_their_own() {

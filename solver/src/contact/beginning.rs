@@ -20,6 +20,9 @@ const DEEP: f64 = 0.1;
 /// A penalty so many times as stiff as the bodies' facets leaves their forces 7 of 16 digits.
 const STIFF: f64 = 1e9;
 
+/// A face over more facets than this, ten by ten, is too coarse to say where they touch, and couples all of their nodes.
+const FACETS_UNDER: f64 = 100.0;
+
 /// The slaves of an interaction at the last evaluation, which is that of the start.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Beginning {
@@ -63,6 +66,9 @@ pub struct Beginning {
     /// Faces of a slave with 9 nodes, over nodes: their corners carry 4/9 of a uniform pressure, their middles 16/9.
     #[serde(default)]
     pub lagrange: usize,
+    /// Over faces in one pass: how many facets of the master have the area of a face of the slave, by their mean sizes; else 0.
+    #[serde(default)]
+    pub facets_under: f64,
     /// The line of the deck that names the planes of symmetry that the boundary conditions speak of, if the interface does not name all of
     /// them.
     #[serde(default)]
@@ -99,6 +105,15 @@ fn stiffness_ratio(interaction: &Interaction, model: &Model) -> f64 {
     let stiffness = if is_over_area { young / size } else { young * size };
     // A slave without facets has no size.
     if size > 0.0 { options.penalty / stiffness } else { 0.0 }
+}
+
+/// How many facets of the master have the area of a face of the slave, over faces in one pass.
+fn facets_under(interaction: &Interaction) -> f64 {
+    let options = interaction.options();
+    let is_one_sided = !options.two_pass && !options.self_contact;
+    let [slave, master] = interaction.facet_sizes();
+    let count = (slave / master).powi(2);
+    if options.integration != Integration::Nodes && is_one_sided && count.is_finite() { count } else { 0.0 }
 }
 
 /// Faces with 8 nodes, with 6 and with 9, all of them slaves that something moves, over nodes.
@@ -154,6 +169,7 @@ impl Beginning {
             serendipity,
             quadratic_triangles,
             lagrange,
+            facets_under: facets_under(interaction),
             symmetry: symmetry_line(interaction, problem, &model.deformable()),
             idle_planes: idle_planes(interaction, problem.start_positions()),
             free_planes: free_planes(interaction, problem, &model.deformable()),
@@ -231,6 +247,13 @@ impl Beginning {
             "faces of the slave have 9 nodes: their corners carry 4/9 of a uniform pressure and their middles 16/9, so that pressures of \
              single nodes are of no use over nodes, while forces are right; integration = \"faces\" has both right",
         );
+        if self.facets_under > FACETS_UNDER {
+            warnings.push(format!(
+                "interface `{interface}`: each face of the slave has the area of some {:.0} facets of the master: averages over it say little, \
+                 and its tangent couples all of their nodes; exchange = true",
+                self.facets_under
+            ));
+        }
         if self.stiffness_ratio > STIFF {
             warnings.push(format!(
                 "interface `{interface}`: its penalty is {:.1e} times as stiff as facets of the bodies, whose forces are lost in \

@@ -463,6 +463,11 @@ impl Interaction {
         self.facets.len() == other.facets.len() && least(self) == least(other) && sides(self) == sides(other)
     }
 
+    /// Mean size of the slave's and of the master's facets at the start, length.
+    pub(super) fn facet_sizes(&self) -> [f64; 2] {
+        [self.sizes[0], self.sizes[1]]
+    }
+
     /// Mean size of the slave's facets at the start, length.
     pub(super) fn facet_size(&self) -> f64 {
         self.sizes[0]

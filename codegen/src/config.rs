@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use rustc_hash::FxHashSet;
 
 use crate::contact::{EmitOptions, TooLong, emit_file};
-use crate::emit::{MOST_STATEMENTS, c_constants, emit_c, emit_element, emit_element_test};
+use crate::emit::{MOST_STATEMENTS, c_constants, emit_c, emit_element, emit_element_test, test_module};
 use crate::kernel::{ElementError, ElementKernels, ElementModel};
 use crate::model::{Basis, BasisError, CustomBasis, FacetShape, Weight, WeightError};
 
@@ -29,6 +29,16 @@ pub enum ConfigError {
     /// An element has the name of another one or of a weight.
     #[error("two modules are named \"{name}\", one of them of an element")]
     DuplicateElement { name: String },
+    /// A module that the generator names itself has the name of another one: that of weights which share kernels, or of an element's test.
+    #[error(
+        "two modules are named \"{name}\", one of them of weights that share kernels or of a test; change the other name"
+    )]
+    DuplicateModule { name: String },
+    /// Two elements have names that differ in the case of letters only, which the C header does not tell apart.
+    #[error(
+        "the elements \"{name}\" and \"{other}\" have the same constants in the C header; change more than the case of letters"
+    )]
+    DuplicateInUpperCase { name: String, other: String },
     /// Two constants of the C header have one name: names of residuals that differ in the case of letters only, or that are joined alike.
     #[error("two constants of the C header are named {name}; change the name of an element or of a residual")]
     DuplicateConstant { name: String },
@@ -297,8 +307,8 @@ impl Config {
     ///
     /// # Errors
     /// [`ConfigError::SupportPath`], [`ConfigError::DuplicateWeight`], [`ConfigError::WeightTooLong`],
-    /// [`ConfigError::DuplicateElement`], [`ConfigError::DuplicateTest`], [`ConfigError::UnknownElement`], [`ConfigError::Element`] of an
-    /// element that is too long, or of numbers that it cannot be tested with.
+    /// [`ConfigError::DuplicateElement`], [`ConfigError::DuplicateModule`], [`ConfigError::DuplicateTest`], [`ConfigError::UnknownElement`],
+    /// [`ConfigError::Element`] of an element that is too long, or of numbers that it cannot be tested with.
     pub fn source(&self) -> Result<String, ConfigError> {
         self.source_for(true)
     }
@@ -307,14 +317,16 @@ impl Config {
     /// many.
     ///
     /// # Errors
-    /// [`ConfigError::DuplicateElement`], also of names that differ in the case of letters only; [`ConfigError::DuplicateConstant`].
+    /// [`ConfigError::DuplicateElement`], [`ConfigError::DuplicateInUpperCase`], [`ConfigError::DuplicateConstant`].
     pub fn c_source(&self) -> Result<String, ConfigError> {
         self.check_elements()?;
         // Guards and constants are in upper case.
-        let mut names = FxHashSet::default();
-        let mut elements = self.elements.iter().map(|element| &element.signature.name);
-        if let Some(name) = elements.find(|name| !names.insert(name.to_uppercase())) {
-            return Err(ConfigError::DuplicateElement { name: name.clone() });
+        for (k, name) in self.element_names().enumerate() {
+            let mut before = self.element_names().take(k);
+            if let Some(other) = before.find(|other| other.to_uppercase() == name.to_uppercase()) {
+                let (name, other) = (name.clone(), other.clone());
+                return Err(ConfigError::DuplicateInUpperCase { name, other });
+            }
         }
         let text = emit_c(&self.elements);
         let mut constants = FxHashSet::default();
@@ -324,11 +336,26 @@ impl Config {
 
     /// Whether elements have names of their own.
     fn check_elements(&self) -> Result<(), ConfigError> {
-        let weights = self.weights.iter().flatten().map(Weight::name);
-        let mut elements = self.elements.iter().map(|element| element.signature.name.as_str());
-        let mut names: FxHashSet<&str> = weights.collect();
-        let twice = elements.find(|name| !names.insert(name));
-        twice.map_or(Ok(()), |name| Err(ConfigError::DuplicateElement { name: name.to_owned() }))
+        let mut names: FxHashSet<&str> = self.weights.iter().flatten().map(Weight::name).collect();
+        let twice = self.element_names().find(|name| !names.insert(name));
+        twice.map_or(Ok(()), |name| Err(ConfigError::DuplicateElement { name: name.clone() }))
+    }
+
+    fn element_names(&self) -> impl Iterator<Item = &String> {
+        self.elements.iter().map(|element| &element.signature.name)
+    }
+
+    /// Whether modules that are named after others have names of their own: those of weights that share kernels, and those of tests.
+    fn check_modules(&self) -> Result<(), ConfigError> {
+        let weights = self.weights.iter().flatten().map(|weight| weight.name().to_owned());
+        let mut names: FxHashSet<String> = weights.chain(self.element_names().cloned()).collect();
+        let groups = self.weights.iter().filter(|weights| weights.len() > 1);
+        let mut shared = groups.filter_map(|weights| Some(Weight::either(weights)?.name().to_owned()));
+        let twice = shared.find(|name| !names.insert(name.clone())).or_else(|| {
+            let mut tests = self.tests.iter().map(|test| test_module(&test.name));
+            tests.find(|name| names.contains(name))
+        });
+        twice.map_or(Ok(()), |name| Err(ConfigError::DuplicateModule { name }))
     }
 
     fn source_for(&self, optimised: bool) -> Result<String, ConfigError> {
@@ -354,6 +381,7 @@ impl Config {
         optimised: bool,
     ) -> Result<Vec<proc_macro2::TokenStream>, ConfigError> {
         self.check_elements()?;
+        self.check_modules()?;
         let mut all = Vec::new();
         for element in &self.elements {
             let name = &element.signature.name;

@@ -1,7 +1,8 @@
 //! What build scripts ask for.
 
 use diffuse_contact_codegen::emit::MOST_STATEMENTS;
-use diffuse_contact_codegen::{Config, ConfigError};
+use diffuse_contact_codegen::expr::Expr;
+use diffuse_contact_codegen::{Config, ConfigError, ElementModel};
 
 #[test]
 fn three_weights_share_kernels() {
@@ -19,6 +20,26 @@ fn three_weights_share_kernels() {
     {
         assert!(source.contains(module), "{module}");
     }
+}
+
+/// Two modules of one name would be code that does not compile.
+#[test]
+fn modules_that_the_generator_names_have_names_of_their_own() {
+    let square = |m: &ElementModel<'_>| m.energy(m.variable::<Expr<'_>>("x").powi(2));
+    let tested = |config: Config| config.element("a", square).unwrap().test("a", &[&[1.0]], &[]);
+    let weight = |name| Config::new().weight(name, "(1 - r)^2 * (1 + 2*r)").unwrap();
+    let shared = Config::new().cubic().wendland_c2().share_kernels();
+    let both = |name| shared.clone().weight(name, "(1 - r)^3 * (1 + 3*r)").unwrap();
+    for (config, expected) in [
+        (tested(Config::new().element("a_tests", square).unwrap()), "a_tests"),
+        (tested(weight("a_tests")), "a_tests"),
+        (shared.clone().element("cubic_or_wendland_c2", square).unwrap(), "cubic_or_wendland_c2"),
+        (both("cubic_or_wendland_c2"), "cubic_or_wendland_c2"),
+    ] {
+        let error = config.source().unwrap_err();
+        assert!(matches!(&error, ConfigError::DuplicateModule { name } if name == expected), "{error}");
+    }
+    assert!(tested(weight("cubic_or_wendland_c2")).source().is_ok());
 }
 
 #[test]

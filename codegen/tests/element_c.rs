@@ -304,7 +304,10 @@ fn names_in_c_are_those_of_the_formulas() {
     assert_eq!(printed("names", &header, program, &[]), [44.0, 2.0]);
     let both = Config::new().element("Spring", formulas).unwrap().element("spring", formulas).unwrap();
     let error = both.c_source().unwrap_err();
-    assert!(matches!(&error, ConfigError::DuplicateElement { name } if name == "spring"), "{error}");
+    assert!(
+        matches!(&error, ConfigError::DuplicateInUpperCase { name, other } if name == "spring" && other == "Spring"),
+        "{error}"
+    );
     assert!(both.source().is_ok());
     let residuals = |m: &ElementModel<'_>| {
         let x: Expr<'_> = m.variable("x");

@@ -16,6 +16,11 @@ const TOLERANCE: f64 = 1e-12;
 /// The same over the largest entry of all results.
 const ROUNDING: f64 = 64.0 * f64::EPSILON;
 
+/// Name of the module of an element's tests.
+pub(crate) fn test_module(element: &str) -> String {
+    format!("{element}_tests")
+}
+
 /// Tests at these inputs, in the order of [`element_results`]: `evaluate` and `batch` have what the formulas' graph has in the interpreter,
 /// which shares nothing with the emitter, and what it finds for the formulas as they are written, without the derivatives of the graph.
 ///
@@ -58,7 +63,8 @@ pub fn emit_element_test(
         quote!(nodes: &[#(Node { #nodes }),*])
     });
     let lifetime = of_nodes.is_some().then(|| quote!('static,));
-    let (module, tests) = (format_ident!("{}", signature.name), format_ident!("{}_tests", signature.name));
+    let module = format_ident!("{}", signature.name);
+    let tests = format_ident!("{}", test_module(&signature.name));
     Ok(without_suffixes(quote! {
         #[cfg(test)]
         #[allow(clippy::all, clippy::pedantic, non_snake_case)]

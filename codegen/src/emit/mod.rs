@@ -25,6 +25,7 @@ pub use count::{KernelCounts, OpCounts};
 pub use element::{emit_element, emit_element_kernel};
 pub use element_kernel::EmittedElementKernel;
 pub use element_test::emit_element_test;
+pub(crate) use element_test::test_module;
 pub use shape::EmittedKernel;
 pub(crate) use shape::{Combined, ShapeHead, emit_shape, kept_name};
 

@@ -8,6 +8,8 @@
 mod layout;
 mod reads;
 
+pub(crate) use reads::Solved;
+
 use rustc_hash::{FxHashMap, FxHashSet};
 
 use crate::graph::{ExprId, Graph, Op, RootId, Scope};

@@ -341,3 +341,23 @@ fn a_test_does_not_compare_how_an_iteration_went() {
     assert!(tests.contains("assert!(found.values.figures[0]<") && tests.contains("showsnoroot"), "{tests}");
     assert!(tests.contains(r#"agree("figures",&[found.values.figures[1]][..],&[0.3"#), "{tests}");
 }
+
+/// A name in the formulas may be the one that an unknown has: the code gives the unknown another one.
+#[test]
+fn an_unknown_has_a_name_of_its_own_in_the_code() {
+    let config = Config::new().element("named", |m| {
+        let x: Vec3<'_> = m.variable("x");
+        let length = x.norm().named("foot_unknown_1");
+        let foot =
+            m.root("foot", |u| Vector([u[0] + 0.3 * u[1] * u[1] - length, u[1] + 0.2 * u[0] * u[1] - x[0]]));
+        m.energy(length * foot.unknowns[0] * foot.unknowns[1]);
+    });
+    let source = config.unwrap().source().unwrap();
+    assert!(source.contains("let foot_unknown_1 = "), "{source}");
+    assert!(source.contains("let [foot_unknown_1_v2, foot_unknown_2] = foot_iteration.point();"), "{source}");
+    // In the equations the unknown, not the length.
+    assert!(
+        source.contains("foot_unknown_1_v2 * foot_unknown_2")
+            || source.contains("foot_unknown_1_v2.mul_add(")
+    );
+}

@@ -1,9 +1,7 @@
 //! Kernels of fixed size: straight-line functions that read a struct, return a struct and write derivatives to arrays.
 
-use rustc_hash::FxHashMap;
-
 use proc_macro2::TokenStream;
-use quote::{format_ident, quote};
+use quote::{ToTokens, format_ident, quote};
 
 use super::count::OpCounts;
 use super::derivatives::{DIRECTION, arguments_of};
@@ -173,9 +171,7 @@ impl<'a> Head<'a> {
     fn reads(&self, function: &mut FunctionWriter<'_, ElementSpec>) -> Vec<TokenStream> {
         let mut all = reads(function, &self.spec.signature.inputs);
         if let Some(names) = &self.spec.direction {
-            let symbols = symbols(function);
-            let entries: Vec<TokenStream> =
-                names.element.iter().map(|name| entry(function, &symbols, name)).collect();
+            let entries: Vec<TokenStream> = names.element.iter().map(|name| entry(function, name)).collect();
             let direction = format_ident!("{DIRECTION}");
             all.push(quote!(let [#(#entries),*] = *#direction;));
         }
@@ -235,27 +231,14 @@ fn table(points: &Points) -> TokenStream {
     quote!(const POINTS: [[f64; #columns]; #count] = [#(#rows),*];)
 }
 
-/// The symbols that a function uses, by name.
-fn symbols<S>(function: &FunctionWriter<'_, S>) -> FxHashMap<String, ExprId> {
-    let graph = &function.program.kernel.graph;
-    (0..graph.len())
-        .map(|k| ExprId(k as u32))
-        .filter(|expr| function.program.layout.bound.contains(expr))
-        .filter_map(|expr| match graph.op(expr) {
-            Op::Symbol(symbol) => Some((graph.symbol_data(symbol).name.clone(), expr)),
-            _ => None,
-        })
-        .collect()
-}
-
 /// `let`s for those of some symbols that are used, from their places.
 pub(super) fn reads_by_place<S>(
     function: &mut FunctionWriter<'_, S>,
     names: &[String],
     number: impl Fn(usize) -> TokenStream,
 ) -> Vec<TokenStream> {
-    let symbols = symbols(function);
-    let used = names.iter().enumerate().filter_map(|(k, name)| Some((number(k), *symbols.get(name)?)));
+    let program = function.program;
+    let used = names.iter().enumerate().filter_map(|(k, name)| Some((number(k), program.symbol(name)?)));
     used.map(|(number, expr)| {
         let name = function.writer.ident(expr);
         quote!(let #name = #number;)
@@ -265,14 +248,12 @@ pub(super) fn reads_by_place<S>(
 
 /// `let`s for the inputs that are used.
 fn reads<S>(function: &mut FunctionWriter<'_, S>, fields: &[Input]) -> Vec<TokenStream> {
-    let symbols = symbols(function);
     let mut all = Vec::new();
     for input in fields {
-        if input.symbols.iter().all(|name| !symbols.contains_key(name)) {
+        if input.symbols.iter().all(|name| function.program.symbol(name).is_none()) {
             continue;
         }
-        let entries: Vec<TokenStream> =
-            input.symbols.iter().map(|name| entry(function, &symbols, name)).collect();
+        let entries: Vec<TokenStream> = input.symbols.iter().map(|name| entry(function, name)).collect();
         let (pattern, field) = (nested(&input.dimensions, &entries), format_ident!("{}", input.name));
         all.push(quote!(let #pattern = inputs.#field;));
     }
@@ -280,16 +261,14 @@ fn reads<S>(function: &mut FunctionWriter<'_, S>, fields: &[Input]) -> Vec<Token
 }
 
 /// The identifier of a symbol, `_` if it is not used.
-fn entry<S>(
-    function: &mut FunctionWriter<'_, S>,
-    symbols: &FxHashMap<String, ExprId>,
-    name: &String,
-) -> TokenStream {
-    let ident = symbols.get(name).map_or_else(|| format_ident!("_"), |&expr| function.writer.ident(expr));
-    quote!(#ident)
+pub(super) fn entry<S>(function: &mut FunctionWriter<'_, S>, name: &str) -> TokenStream {
+    match function.program.symbol(name) {
+        Some(expr) => function.writer.ident(expr).to_token_stream(),
+        None => quote!(_),
+    }
 }
 
-/// The same for functions with loops over the nodes, whose number may be an input.
+/// `let`s for the inputs that are used, and for the number of nodes where it is one.
 pub(super) fn reads_and_count<S>(function: &mut FunctionWriter<'_, S>, fields: &[Input]) -> Vec<TokenStream> {
     let mut reads = reads(function, fields);
     if function.program.kernel.graph.has_input(NODE_COUNT) {

@@ -1,13 +1,14 @@
 //! Straight-line pieces of a function, and roots. Loops over the nodes: `node_loop`.
 
-use proc_macro2::{Ident, Literal, TokenStream};
+use proc_macro2::{Literal, TokenStream};
 use quote::{format_ident, quote};
 
 use super::count::KernelCounts;
 use super::expression::Writer;
+use super::fixed::entry;
 use super::names::Names;
-use crate::graph::{ExprId, Iteration, Limits, Op, RootFigure, RootId};
-use crate::schedule::{Program, Statement};
+use crate::graph::{ExprId, Iteration, Limits, RootFigure, RootId};
+use crate::schedule::{Program, Solved, Statement};
 
 /// Writes the function of a program.
 pub(super) struct FunctionWriter<'a, S> {
@@ -37,11 +38,6 @@ impl<'a, S> FunctionWriter<'a, S> {
             "forms",
             "form",
             "presence",
-            "type",
-            "in",
-            "if",
-            "fn",
-            "do",
             "None",
             "Some",
             "Ok",
@@ -81,8 +77,8 @@ impl<'a, S> FunctionWriter<'a, S> {
         let graph = &program.kernel.graph;
         let data = graph.root(root);
         let before = self.writer.take_counts();
-        let unknowns: Vec<Ident> =
-            data.unknowns.iter().map(|&u| format_ident!("{}", graph.symbol_data(u).name)).collect();
+        let names = data.unknowns.iter().map(|&unknown| &graph.symbol_data(unknown).name);
+        let unknowns: Vec<TokenStream> = names.map(|name| entry(self, name)).collect();
         let body = self.statements(&program.roots[&root]);
         let residuals: Vec<TokenStream> = data.residuals.iter().map(|&r| self.writer.used(r)).collect();
         let jacobian: Vec<Vec<TokenStream>> =
@@ -104,13 +100,19 @@ impl<'a, S> FunctionWriter<'a, S> {
                 (quote!(#solver::<E, #size>::within(#longest, #evaluations)), quote!(#([#(#jacobian),*]),*))
             }
         };
-        let figures = graph_roots(graph, root).into_iter().filter(|(x, _)| program.layout.bound.contains(x));
-        let lets: Vec<TokenStream> = figures
-            .map(|(expr, field)| {
-                let name = self.writer.ident(expr);
-                quote!(let #name = #solution.#field;)
-            })
-            .collect();
+        let read = |(expr, solved): (ExprId, Solved)| {
+            let name = self.writer.ident(expr);
+            let field = match solved {
+                Solved::Unknown(component) => {
+                    let component = Literal::u32_unsuffixed(component);
+                    quote!(unknowns[#component])
+                }
+                Solved::Figure(RootFigure::Residual) => quote!(residual),
+                Solved::Figure(RootFigure::Iterations) => quote!(iterations),
+            };
+            quote!(let #name = #solution.#field;)
+        };
+        let lets: Vec<TokenStream> = program.solved(root).into_iter().map(read).collect();
         self.statements += lets.len();
         let iteration = format_ident!("{}_iteration", data.name);
         quote! {
@@ -134,20 +136,4 @@ pub(super) const fn solver_name(iteration: Iteration) -> &'static str {
         Iteration::Within(_) => "Equations",
         Iteration::Descent => "TwoVariables",
     }
-}
-
-/// The figures of a root that the graph holds, with the field of the solution each is read from.
-fn graph_roots(graph: &crate::graph::Graph, root: RootId) -> Vec<(ExprId, TokenStream)> {
-    (0..graph.len())
-        .map(|k| ExprId(k as u32))
-        .filter_map(|expr| match graph.op(expr) {
-            Op::RootValue(r, component) if r == root => {
-                let component = proc_macro2::Literal::u32_unsuffixed(component);
-                Some((expr, quote!(unknowns[#component])))
-            }
-            Op::RootFigure(r, RootFigure::Residual) if r == root => Some((expr, quote!(residual))),
-            Op::RootFigure(r, RootFigure::Iterations) if r == root => Some((expr, quote!(iterations))),
-            _ => None,
-        })
-        .collect()
 }

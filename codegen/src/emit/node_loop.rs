@@ -118,8 +118,7 @@ impl<S> FunctionWriter<'_, S> {
                 quote!(at::#place)
             }
             Lanes::Elements => {
-                let place = self.program.kept().iter().position(|&x| x == expr).unwrap_or(0);
-                let place = Literal::usize_unsuffixed(place);
+                let place = Literal::usize_unsuffixed(self.program.place(expr));
                 quote!(#place)
             }
         }

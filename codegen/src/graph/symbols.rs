@@ -49,6 +49,12 @@ impl Graph {
         self.symbol_names.get(name).is_some_and(|&symbol| self.symbol_data(symbol).definition.is_none())
     }
 
+    /// The symbol with this name, if there is one that an expression was made of.
+    pub(crate) fn symbol_named(&self, name: &str) -> Option<ExprId> {
+        let symbol = self.symbol_names.get(name)?;
+        self.interned.get(&Op::Symbol(*symbol)).copied()
+    }
+
     /// The number of nodes, an input.
     pub fn node_count(&mut self) -> ExprId {
         self.input_once(NODE_COUNT, Scope::Element)

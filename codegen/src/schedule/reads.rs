@@ -1,7 +1,16 @@
-//! What loops over the nodes read.
+//! What pieces of code read: inputs, figures of roots, and what earlier loops keep.
 
 use super::{NodeLoop, Program, Statement};
-use crate::graph::{ExprId, Op, Scope};
+use crate::graph::{ExprId, Op, RootFigure, RootId, Scope};
+
+/// What is read of a root's solution.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Solved {
+    /// An unknown.
+    Unknown(u32),
+    /// How the iteration went.
+    Figure(RootFigure),
+}
 
 impl<S> Program<S> {
     /// Whether a loop reads the input of node scope with this name: in a statement, a sum or a result.
@@ -35,7 +44,24 @@ impl<S> Program<S> {
 
     /// The expression of an input of node scope.
     pub(crate) fn node_input(&self, name: &str) -> Option<ExprId> {
-        (0..self.kernel.graph.len()).map(|k| ExprId(k as u32)).find(|&x| self.is_node_input(x, name))
+        self.kernel.graph.symbol_named(name).filter(|&x| self.kernel.graph.scope(x) == Scope::Node)
+    }
+
+    /// The symbol with this name, if the code uses it.
+    pub(crate) fn symbol(&self, name: &str) -> Option<ExprId> {
+        self.kernel.graph.symbol_named(name).filter(|x| self.layout.bound.contains(x))
+    }
+
+    /// What the code uses of a root's solution.
+    pub(crate) fn solved(&self, root: RootId) -> Vec<(ExprId, Solved)> {
+        let graph = &self.kernel.graph;
+        let all = (0..graph.len()).map(|k| ExprId(k as u32)).filter(|x| self.layout.bound.contains(x));
+        all.filter_map(|x| match graph.op(x) {
+            Op::RootValue(of, component) if of == root => Some((x, Solved::Unknown(component))),
+            Op::RootFigure(of, figure) if of == root => Some((x, Solved::Figure(figure))),
+            _ => None,
+        })
+        .collect()
     }
 
     /// What is kept of a node between the loops, in the order of the loops.
@@ -43,5 +69,10 @@ impl<S> Program<S> {
         let mut seen = rustc_hash::FxHashSet::default();
         let stores = self.phases.iter().flat_map(|phase| phase.nodes.stores.clone());
         stores.filter(|x| seen.insert(*x)).collect()
+    }
+
+    /// The place among [`kept`](Self::kept) of a value that a loop loads or stores.
+    pub(crate) fn place(&self, expr: ExprId) -> usize {
+        self.kept().iter().position(|&x| x == expr).expect("what is loaded was stored")
     }
 }

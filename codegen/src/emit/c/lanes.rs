@@ -142,10 +142,10 @@ impl<'a> LanesWriter<'a> {
         let direction = spec.direction.iter().flat_map(|symbols| &symbols.element).enumerate();
         let all = inputs.map(|entry| ("inputs", entry)).chain(direction.map(|entry| (DIRECTION, entry)));
         let place = |(array, (number, symbol)): (&str, (usize, &String))| {
-            writer.symbol(symbol).map(|expr| (expr, Width::Lanes.entry(array, &number.to_string())))
+            writer.program.symbol(symbol).map(|expr| (expr, Width::Lanes.entry(array, &number.to_string())))
         };
         let inputs = all.filter_map(place).collect();
-        let common = writer.symbol(NODE_COUNT).into_iter().collect();
+        let common = writer.program.symbol(NODE_COUNT).into_iter().collect();
         Self { writer, inputs, common, parts: Vec::new(), shared: FxHashMap::default() }
     }
 

@@ -172,19 +172,15 @@ pub(super) fn derivative_place(
 
 /// The number of nodes, where it is used.
 pub(super) fn node_count(writer: &mut Writer<'_>) -> String {
-    if writer.program.kernel.graph.has_input(NODE_COUNT)
-        && let Some(count) = writer.symbol(NODE_COUNT)
-    {
-        return format!("    const double {} = (double)count;\n", writer.name(count));
-    }
-    String::new()
+    let count = writer.program.symbol(NODE_COUNT);
+    count.map_or_else(String::new, |count| writer.read("    ", count, "(double)count"))
 }
 
 /// The number of a node, where it is used.
 pub(super) fn node_index(writer: &mut Writer<'_>, nodes: &NodeLoop) -> Option<(ExprId, String)> {
     let program = writer.program;
     let expr = program.loop_reads(nodes, NODE_INDEX).then(|| program.node_input(NODE_INDEX))??;
-    Some((expr, format!("        const double {} = (double)node;\n", writer.name(expr))))
+    Some((expr, writer.read("        ", expr, "(double)node")))
 }
 
 fn node_loop(writer: &mut Writer<'_>, nodes: &NodeLoop, scratch: Scratch) -> String {
@@ -211,37 +207,27 @@ fn node_loop(writer: &mut Writer<'_>, nodes: &NodeLoop, scratch: Scratch) -> Str
 /// What is read of a node.
 pub(super) fn node_reads(writer: &mut Writer<'_>, nodes: &NodeLoop, width: Width, indent: &str) -> String {
     let program = writer.program;
-    let inputs = &program.kernel.spec.signature.nodes;
-    let fields: usize = inputs.iter().map(|input| input.symbols.len()).sum();
-    let (mut text, mut number) = (String::new(), 0);
-    for input in inputs {
-        for (symbol, place) in input.symbols.iter().zip(places(&input.dimensions)) {
-            if program.loop_reads(nodes, symbol)
-                && let Some(expr) = program.node_input(symbol)
-            {
-                let of = width.node(&format!("{}{place}", field(&input.name)), number, fields);
-                writer.trace.defined.push(expr);
-                let _ = writeln!(text, "{indent}const double {} = {of};", writer.name(expr));
-            }
-            number += 1;
-        }
-    }
-    let Some(DirectionSymbols { element, node }) = &program.kernel.spec.direction else { return text };
-    for (k, symbol) in node.iter().enumerate() {
-        if program.loop_reads(nodes, symbol)
-            && let Some(expr) = program.node_input(symbol)
-        {
-            let of = width.entry(DIRECTION, &format!("{} + {} * node", element.len() + k, node.len()));
-            writer.trace.defined.push(expr);
-            let _ = writeln!(text, "{indent}const double {} = {of};", writer.name(expr));
-        }
-    }
-    text
+    let ElementSpec { signature, direction, .. } = &program.kernel.spec;
+    let fields: usize = signature.nodes.iter().map(|input| input.symbols.len()).sum();
+    let read = |symbol: &str| program.loop_reads(nodes, symbol).then(|| program.node_input(symbol))?;
+    let inputs = signature.nodes.iter().flat_map(|input| {
+        let places = places(&input.dimensions).into_iter();
+        input.symbols.iter().zip(places.map(|place| format!("{}{place}", field(&input.name))))
+    });
+    let inputs = inputs
+        .enumerate()
+        .map(|(number, (symbol, place))| (read(symbol), width.node(&place, number, fields)));
+    let direction = direction.iter().flat_map(|DirectionSymbols { element, node }| {
+        let place = |k: usize| format!("{} + {} * node", element.len() + k, node.len());
+        node.iter().enumerate().map(move |(k, symbol)| (symbol, width.entry(DIRECTION, &place(k))))
+    });
+    let direction = direction.map(|(symbol, place)| (read(symbol), place));
+    writer.reads_from(indent, inputs.chain(direction))
 }
 
 /// Where a value of a node is kept.
 fn kept_place(writer: &Writer<'_>, x: ExprId, (width, scratch): (Width, Scratch)) -> String {
-    let place = writer.program.kept().iter().position(|&other| other == x).unwrap_or(0);
+    let place = writer.program.place(x);
     width.scratch("scratch", &format!("{} * node + {place}", scratch.kept))
 }
 
@@ -255,8 +241,7 @@ pub(super) fn node_loads(
     let mut text = String::new();
     for &load in &nodes.loads {
         let place = kept_place(writer, load, at);
-        writer.trace.defined.push(load);
-        let _ = writeln!(text, "{indent}const double {} = {place};", writer.name(load));
+        text += &writer.read(indent, load, &place);
     }
     text
 }

@@ -8,7 +8,7 @@ use super::super::names::Names;
 use super::{TAKEN, WORDS, places};
 use crate::graph::{ExprId, Function, Graph, Iteration, Limits, Op, RootFigure, RootId};
 use crate::kernel::ElementSpec;
-use crate::schedule::{Layout, Program, Statement};
+use crate::schedule::{Layout, Program, Solved, Statement};
 
 /// How inputs and outputs are written, from name, place and number.
 pub(super) struct Access<'a> {
@@ -62,34 +62,36 @@ impl<'a> Writer<'a> {
     }
 
     pub fn reads(&mut self, indent: &str) -> String {
-        let (mut text, mut number) = (String::new(), 0);
-        for input in &self.program.kernel.spec.signature.inputs {
-            for (symbol, place) in input.symbols.iter().zip(places(&input.dimensions)) {
-                if let Some(expr) = self.symbol(symbol) {
-                    let (name, from) = (self.name(expr), (self.access.input)(&input.name, &place, number));
-                    let _ = writeln!(text, "{indent}const double {name} = {from};");
-                }
-                number += 1;
-            }
-        }
-        let direction = self.program.kernel.spec.direction.iter().flat_map(|symbols| &symbols.element);
-        for (number, symbol) in direction.enumerate() {
-            if let Some(expr) = self.symbol(symbol) {
-                let from = (self.access.direction)(number);
-                let _ = writeln!(text, "{indent}const double {} = {from};", self.name(expr));
-            }
-        }
-        text
+        let (program, access) = (self.program, self.access);
+        let spec = &program.kernel.spec;
+        let inputs = spec.signature.inputs.iter().flat_map(|input| {
+            let places = places(&input.dimensions).into_iter();
+            input.symbols.iter().zip(places.map(move |place| (&input.name, place)))
+        });
+        let inputs = inputs.enumerate().map(|(number, (symbol, (name, place)))| {
+            (program.symbol(symbol), (access.input)(name, &place, number))
+        });
+        let direction = spec.direction.iter().flat_map(|symbols| &symbols.element).enumerate();
+        let direction = direction.map(|(k, symbol)| (program.symbol(symbol), (access.direction)(k)));
+        self.reads_from(indent, inputs.chain(direction))
     }
 
     pub fn point_reads(&mut self, indent: &str) -> String {
-        let mut text = String::new();
-        for (k, symbol) in self.program.kernel.spec.signature.points.symbols.iter().enumerate() {
-            if let Some(expr) = self.symbol(symbol) {
-                let _ = writeln!(text, "{indent}const double {} = points[point][{k}];", self.name(expr));
-            }
-        }
-        text
+        let program = self.program;
+        let symbols = program.kernel.spec.signature.points.symbols.iter().enumerate();
+        self.reads_from(
+            indent,
+            symbols.map(|(k, symbol)| (program.symbol(symbol), format!("points[point][{k}]"))),
+        )
+    }
+
+    /// Those of some variables that are used, from their places.
+    pub fn reads_from(
+        &mut self,
+        indent: &str,
+        all: impl IntoIterator<Item = (Option<ExprId>, String)>,
+    ) -> String {
+        all.into_iter().filter_map(|(expr, from)| Some(self.read(indent, expr?, &from))).collect()
     }
 
     pub fn lets(&mut self, indent: &str, statements: &[Statement]) -> String {
@@ -126,13 +128,8 @@ impl<'a> Writer<'a> {
              {indent}diffuse_contact_begin(&{iteration}, {size}, {longest}, {evaluations});\n{indent}for (;;) {{\n"
         );
         for (k, &unknown) in data.unknowns.iter().enumerate() {
-            if let Some(expr) = self.symbol(&graph.symbol_data(unknown).name) {
-                let name = self.name(expr);
-                self.trace.defined.push(expr);
-                let _ = writeln!(
-                    text,
-                    "{inner}const double {name} = {iteration}.y[{k}] + {iteration}.step[{k}];"
-                );
+            if let Some(expr) = program.symbol(&graph.symbol_data(unknown).name) {
+                text += &self.read(&inner, expr, &format!("{iteration}.y[{k}] + {iteration}.step[{k}]"));
             }
         }
         text += &self.lets(&inner, &program.roots[&root]);
@@ -146,20 +143,13 @@ impl<'a> Writer<'a> {
             "{inner}const double {iteration}_residual[] = {{{residuals}}}, {iteration}_jacobian[] = {{{jacobian}}};\n\
              {inner}if (diffuse_contact_{advance}(&{iteration}, {iteration}_residual, {iteration}_jacobian)) break;\n{indent}}}"
         );
-        let all = (0..graph.len()).map(|k| ExprId(k as u32)).filter(|x| self.layout.bound.contains(x));
-        let figures: Vec<(ExprId, String)> = all
-            .filter_map(|expr| match graph.op(expr) {
-                Op::RootValue(r, k) if r == root => Some((expr, format!("y[{k}]"))),
-                Op::RootFigure(r, RootFigure::Residual) if r == root => Some((expr, "relative".to_owned())),
-                Op::RootFigure(r, RootFigure::Iterations) if r == root => {
-                    Some((expr, "iterations".to_owned()))
-                }
-                _ => None,
-            })
-            .collect();
-        for (expr, figure) in figures {
-            self.trace.defined.push(expr);
-            let _ = writeln!(text, "{indent}const double {} = {iteration}.{figure};", self.name(expr));
+        for (expr, solved) in program.solved(root) {
+            let figure = match solved {
+                Solved::Unknown(k) => format!("y[{k}]"),
+                Solved::Figure(RootFigure::Residual) => "relative".to_owned(),
+                Solved::Figure(RootFigure::Iterations) => "iterations".to_owned(),
+            };
+            text += &self.read(indent, expr, &format!("{iteration}.{figure}"));
         }
         text
     }
@@ -195,10 +185,10 @@ impl<'a> Writer<'a> {
         self.targets().into_iter().map(|(to, _)| format!("{indent}{to} = 0.0;\n")).collect()
     }
 
-    /// The input of this name, if it is used.
-    pub fn symbol(&self, name: &str) -> Option<ExprId> {
-        let is = |expr: &ExprId| matches!(self.graph.op(*expr), Op::Symbol(symbol) if self.graph.symbol_data(symbol).name == name);
-        (0..self.graph.len()).map(|k| ExprId(k as u32)).find(|x| is(x) && self.layout.bound.contains(x))
+    /// A variable that is read.
+    pub fn read(&mut self, indent: &str, expr: ExprId, from: &str) -> String {
+        self.trace.defined.push(expr);
+        format!("{indent}const double {} = {from};\n", self.name(expr))
     }
 
     pub fn name(&mut self, expr: ExprId) -> String {

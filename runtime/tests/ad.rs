@@ -4,37 +4,7 @@
 use diffuse_contact::ad::Ad;
 use diffuse_contact::{Backend, Basis, Element, ElementError, Frame, Mode, Point, SymmetricMatrix};
 
-/// Deterministic numbers in (−1, 1).
-struct Random(u64);
-
-impl Random {
-    fn next(&mut self) -> f64 {
-        self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        (self.0 >> 11) as f64 / (1u64 << 52) as f64 - 1.0
-    }
-
-    fn point(&mut self, size: f64) -> Point {
-        std::array::from_fn(|_| size * self.next())
-    }
-}
-
-/// Rotation about `axis` by `angle` (Rodrigues).
-fn rotate(x: Point, axis: Point, angle: f64) -> Point {
-    let norm = dot(axis, axis).sqrt();
-    let k = axis.map(|c| c / norm);
-    let (s, c) = angle.sin_cos();
-    let kx = cross(k, x);
-    let along = dot(k, x) * (1.0 - c);
-    std::array::from_fn(|i| x[i] * c + kx[i] * s + k[i] * along)
-}
-
-fn dot(x: Point, y: Point) -> f64 {
-    x.iter().zip(y).map(|(x, y)| x * y).sum()
-}
-
-fn cross(x: Point, y: Point) -> Point {
-    [x[1] * y[2] - x[2] * y[1], x[2] * y[0] - x[0] * y[2], x[0] * y[1] - x[1] * y[0]]
-}
+use crate::common::{Uniform, cross, dot, rotate};
 
 /// A frame in general position.
 fn tilted_frame() -> Frame {
@@ -61,18 +31,18 @@ struct Case {
 impl Case {
     /// `n` scattered masters on a bumpy surface in a general frame, the slave near their middle.
     fn scattered(n: usize, basis: Basis, radius: f64, seed: u64) -> Self {
-        let mut random = Random(seed);
+        let mut random = Uniform(seed);
         let frame = tilted_frame();
         let mut nodes = vec![global(&frame, [0.1 * radius, -0.05 * radius, 0.2 * radius])];
         // Spirals fill the disc of 0.95 R without putting the nodes on a conic.
         for i in 0..n {
             let r = 0.95 * radius * ((i as f64 + 0.6) / n as f64).sqrt();
-            let angle = 2.4 * i as f64 + 0.2 * random.next();
+            let angle = 2.4 * i as f64 + 0.2 * random.signed();
             let (a, b) = (r * angle.cos(), r * angle.sin());
-            let z = 0.3 * a * a / radius - 0.2 * a * b / radius + 0.05 * radius * random.next();
+            let z = 0.3 * a * a / radius - 0.2 * a * b / radius + 0.05 * radius * random.signed();
             nodes.push(global(&frame, [a, b, z]));
         }
-        let shift = random.point(3.0 * radius);
+        let shift = random.point().map(|x| 3.0 * radius * x);
         for node in &mut nodes {
             *node = std::array::from_fn(|k| node[k] + shift[k]);
         }

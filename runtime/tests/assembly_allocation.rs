@@ -2,6 +2,7 @@
 //! this one test.
 
 mod assembly_cases;
+mod common;
 
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::sync::atomic::{AtomicUsize, Ordering};

@@ -8,39 +8,10 @@ use diffuse_contact::{
     SymmetricMatrix,
 };
 
-/// Deterministic numbers in (−1, 1).
-struct Random(u64);
-
-impl Random {
-    fn next(&mut self) -> f64 {
-        self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        (self.0 >> 11) as f64 / (1u64 << 52) as f64 - 1.0
-    }
-
-    fn point(&mut self) -> Point {
-        std::array::from_fn(|_| self.next())
-    }
-}
-
-fn dot(x: Point, y: Point) -> f64 {
-    x.iter().zip(y).map(|(x, y)| x * y).sum()
-}
-
-fn cross(x: Point, y: Point) -> Point {
-    [x[1] * y[2] - x[2] * y[1], x[2] * y[0] - x[0] * y[2], x[0] * y[1] - x[1] * y[0]]
-}
+use crate::common::{Uniform, cross, rotate};
 
 fn subtract(x: Point, y: Point) -> Point {
     std::array::from_fn(|k| x[k] - y[k])
-}
-
-/// Rotation about `axis` by `angle` (Rodrigues).
-fn rotate(x: Point, axis: Point, angle: f64) -> Point {
-    let k = axis.map(|c| c / dot(axis, axis).sqrt());
-    let (s, c) = angle.sin_cos();
-    let kx = cross(k, x);
-    let along = dot(k, x) * (1.0 - c);
-    std::array::from_fn(|i| x[i] * c + kx[i] * s + k[i] * along)
 }
 
 /// An element that owns its nodes; its frame is their average plane.
@@ -57,23 +28,23 @@ impl Case {
     /// `n` scattered masters on a bumpy surface turned at random, the slave above their middle, all within a
     /// radius of the origin shifted by `shift` radii.
     fn scattered(n: usize, basis: Basis, radius: f64, shift: f64, seed: u64) -> Self {
-        let mut random = Random(seed);
-        random.next();
-        let (axis, angle) = (random.point(), 3.0 * random.next());
+        let mut random = Uniform(seed);
+        random.signed();
+        let (axis, angle) = (random.point(), 3.0 * random.signed());
         let offset = random.point();
         let global = |local: Point| {
             let x = rotate(local, axis, angle);
             std::array::from_fn(|k| radius * (x[k] + shift * offset[k]))
         };
-        let part = std::array::from_fn::<f64, 3, _>(|_| random.next());
+        let part = std::array::from_fn::<f64, 3, _>(|_| random.signed());
         let mut nodes =
-            vec![global([0.15 * part[0], 0.15 * part[1], (0.2 + 0.05 * part[2]) * random.next().signum()])];
+            vec![global([0.15 * part[0], 0.15 * part[1], (0.2 + 0.05 * part[2]) * random.signed().signum()])];
         // Spirals fill the disc of 0.75 R, all inside the support, without putting the nodes on a conic.
         for i in 0..n {
             let r = 0.75 * ((i as f64 + 0.6) / n as f64).sqrt();
-            let turn = 2.4 * i as f64 + 0.2 * random.next();
+            let turn = 2.4 * i as f64 + 0.2 * random.signed();
             let (a, b) = (r * turn.cos(), r * turn.sin());
-            let z = 0.5 * part[0] * a * a + 0.5 * part[1] * a * b + 0.12 * random.next();
+            let z = 0.5 * part[0] * a * a + 0.5 * part[1] * a * b + 0.12 * random.signed();
             nodes.push(global([a, b, z]));
         }
         let outward = rotate([0.1, -0.1, 1.0], axis, angle);

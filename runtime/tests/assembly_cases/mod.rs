@@ -6,25 +6,13 @@ use diffuse_contact::neighbourhood::{NeighbourSearch, SearchOptions};
 use diffuse_contact::pairing::{NearestNodes, Pairing};
 use diffuse_contact::{Backend, Frame, Mode, Point, Weight};
 
-/// Deterministic numbers.
-struct Random(u64);
+use crate::common::Uniform;
 
-impl Random {
-    fn new(seed: u64) -> Self {
-        let mut random = Self(seed);
-        random.next();
-        random
-    }
-
-    /// In [−1, 1).
-    fn next(&mut self) -> f64 {
-        self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        (self.0 >> 11) as f64 / (1u64 << 52) as f64 - 1.0
-    }
-
-    fn below(&mut self, bound: usize) -> usize {
-        ((self.next() + 1.0) / 2.0 * bound as f64) as usize
-    }
+/// Numbers of a case.
+fn numbers(seed: u64) -> Uniform {
+    let mut random = Uniform(seed);
+    random.next();
+    random
 }
 
 /// An element that owns its numbers.
@@ -49,7 +37,7 @@ pub struct Case {
 impl Case {
     /// Random nodes, also twice in an element, and random numbers; up to `most` masters, one in six elements not paired.
     pub fn random(nodes: usize, elements: usize, most: usize, seed: u64) -> Self {
-        let mut random = Random::new(seed);
+        let mut random = numbers(seed);
         let elements = (0..elements)
             .map(|_| {
                 let count = if random.below(6) == 0 { 0 } else { random.below(most + 1) };
@@ -62,7 +50,7 @@ impl Case {
 
     /// The same with all nodes of an element different.
     pub fn with_distinct_nodes(nodes: usize, elements: usize, most: usize, seed: u64) -> Self {
-        let mut random = Random::new(seed);
+        let mut random = numbers(seed);
         let elements = (0..elements)
             .map(|_| {
                 let mut shuffled: Vec<u32> = (0..nodes as u32).collect();
@@ -82,13 +70,13 @@ impl Case {
 
     /// Multipliers of which a third are zero.
     pub fn multipliers(&self, seed: u64) -> Vec<f64> {
-        let mut random = Random::new(seed);
-        self.elements.iter().map(|_| (3.0 * random.next()).max(-1.0) + 1.0).collect()
+        let mut random = numbers(seed);
+        self.elements.iter().map(|_| (3.0 * random.signed()).max(-1.0) + 1.0).collect()
     }
 
     /// Equations in random order with gaps between them; one degree of freedom in eight is constrained.
     pub fn scattered_equations(&self, seed: u64) -> DofMap {
-        let mut random = Random::new(seed);
+        let mut random = numbers(seed);
         let count = 4 * self.nodes;
         let mut equations: Vec<usize> = (0..count).collect();
         for k in (1..count).rev() {
@@ -102,17 +90,17 @@ impl Case {
 }
 
 impl OwnedElement {
-    fn random(slave: usize, masters: Vec<u32>, random: &mut Random) -> Self {
+    fn random(slave: usize, masters: Vec<u32>, random: &mut Uniform) -> Self {
         let freedoms = 3 * (masters.len() + 1);
         let in_contact = !masters.is_empty() && random.below(5) != 0;
-        let mut numbers = |count: usize| (0..count).map(|_| random.next()).collect::<Vec<_>>();
+        let mut numbers = |count: usize| (0..count).map(|_| random.signed()).collect::<Vec<_>>();
         let (gradient, hessian) = (numbers(freedoms), numbers(freedoms * (freedoms + 1) / 2));
         Self {
             slave,
             masters,
             in_contact,
-            gap: random.next() - 0.3,
-            area: random.next() + 1.0,
+            gap: random.signed() - 0.3,
+            area: random.signed() + 1.0,
             gradient,
             hessian,
         }

@@ -21,6 +21,16 @@ impl Uniform {
         2.0 * self.next() - 1.0
     }
 
+    /// A whole number below `bound`.
+    pub fn below(&mut self, bound: usize) -> usize {
+        (self.next() * bound as f64) as usize
+    }
+
+    /// From −1 to 1 along each axis.
+    pub fn point(&mut self) -> Point {
+        std::array::from_fn(|_| self.signed())
+    }
+
     pub fn rotation(&mut self) -> Rotation3<f64> {
         let axis = Vector3::from_fn(|_, _| self.signed());
         Rotation3::new(axis.normalize() * (std::f64::consts::PI * self.next()))
@@ -145,6 +155,23 @@ impl Scene {
         self.positions.truncate(self.first);
         self.positions.extend_from_slice(slaves);
     }
+}
+
+pub fn dot(x: Point, y: Point) -> f64 {
+    x.iter().zip(y).map(|(x, y)| x * y).sum()
+}
+
+pub fn cross(x: Point, y: Point) -> Point {
+    [x[1] * y[2] - x[2] * y[1], x[2] * y[0] - x[0] * y[2], x[0] * y[1] - x[1] * y[0]]
+}
+
+/// Rotation about `axis` by `angle` (Rodrigues).
+pub fn rotate(x: Point, axis: Point, angle: f64) -> Point {
+    let k = axis.map(|c| c / dot(axis, axis).sqrt());
+    let (s, c) = angle.sin_cos();
+    let kx = cross(k, x);
+    let along = dot(k, x) * (1.0 - c);
+    std::array::from_fn(|i| x[i] * c + kx[i] * s + k[i] * along)
 }
 
 /// Distance between two points.

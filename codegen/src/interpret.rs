@@ -127,29 +127,11 @@ impl<'a, N: Number> Interpreter<'a, N> {
         self.value(expr, Some(node))
     }
 
-    /// Value of an expression for a pair of nodes.
-    ///
-    /// # Panics
-    /// As [`element`](Self::element).
-    pub fn pair(&mut self, expr: ExprId, row: usize, column: usize) -> N {
-        if self.graph.scope(expr) != Scope::Pair {
-            return self.value(expr, None);
-        }
-        match self.graph.op(expr) {
-            Op::Row(x) => self.value(x, Some(row)),
-            Op::Column(x) => self.value(x, Some(column)),
-            Op::Add(x, y) => self.pair(x, row, column) + self.pair(y, row, column),
-            Op::Mul(x, y) => self.pair(x, row, column) * self.pair(y, row, column),
-            Op::Neg(x) => -self.pair(x, row, column),
-            op => unreachable!("pairs are sums of products, not {op:?}"),
-        }
-    }
-
     fn value(&mut self, expr: ExprId, node: Option<usize>) -> N {
         let at_node = match (self.graph.scope(expr), node) {
             (Scope::Node, Some(node)) => Some(node),
             (Scope::Element, _) => None,
-            (scope, _) => panic!("an expression of {scope:?} scope without a node to evaluate it at"),
+            (Scope::Node, None) => panic!("an expression of node scope without a node to evaluate it at"),
         };
         let known = match at_node {
             Some(node) => self.node.get(&(expr, node)),
@@ -214,7 +196,6 @@ impl<'a, N: Number> Interpreter<'a, N> {
             Op::RootValue(root, component) => self.root(root).values[component as usize].clone(),
             Op::RootFigure(root, RootFigure::Residual) => N::constant(self.root(root).residual),
             Op::RootFigure(root, RootFigure::Iterations) => N::constant(self.root(root).iterations as f64),
-            op @ (Op::Row(_) | Op::Column(_)) => unreachable!("{op:?} outside a pair"),
         }
     }
 

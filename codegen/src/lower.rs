@@ -1,20 +1,19 @@
 //! Lowers structured nodes to plain arithmetic: a kernel in, the same kernel over a new graph out.
 //!
 //! After lowering only these operations are left: constants, inputs, + − × ÷, elementary functions, choice, sums over
-//! nodes, rows and columns of pairs, and roots, whose equations are lowered too. Symmetric systems become an unrolled
+//! nodes, and roots, whose equations are lowered too. Symmetric systems become an unrolled
 //! factorisation, Cholesky's without his square roots, and unrolled substitutions.
 
 use rustc_hash::FxHashMap;
 
 use crate::graph::{ExprId, Graph, Op, PolynomialId, RootId, Scope, SolveId, SymbolId, SystemId};
 use crate::kernel::Kernel;
-use crate::structure::{Gradient, Hessian, PointBlocks};
+use crate::structure::Gradient;
 use crate::table::Table;
 
 /// The kernel over a graph without structured nodes other than sums and roots.
 pub fn lower<S: Clone>(kernel: &Kernel<S>) -> Kernel<S> {
     let mut lowering = Lowering::new(kernel);
-    let block = |l: &mut Lowering<'_>, b: &[[ExprId; 3]; 3]| b.map(|row| row.map(|x| l.lower(x)));
     let values = kernel
         .values
         .iter()
@@ -36,20 +35,11 @@ pub fn lower<S: Clone>(kernel: &Kernel<S>) -> Kernel<S> {
     let hessians = kernel
         .hessians
         .iter()
-        .map(|(name, hessian)| {
-            let lowered = Hessian {
-                slave: block(&mut lowering, &hessian.slave),
-                node_slave: block(&mut lowering, &hessian.node_slave),
-                diagonal: block(&mut lowering, &hessian.diagonal),
-                pair: block(&mut lowering, &hessian.pair),
-                point: hessian.point.map(|PointBlocks { slave, node, diagonal }| PointBlocks {
-                    slave: block(&mut lowering, &slave),
-                    node: block(&mut lowering, &node),
-                    diagonal: block(&mut lowering, &diagonal),
-                }),
-                form: hessian.form.map(|x| lowering.lower(x)),
-            };
-            (*name, lowered)
+        .map(|(name, form)| {
+            for x in form.in_order_of_products() {
+                lowering.lower(x);
+            }
+            (*name, form.map(|x| lowering.lower(x)))
         })
         .collect();
     let node_values = kernel.node_values.iter().map(|&(name, x)| (name, lowering.lower(x))).collect();

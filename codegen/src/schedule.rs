@@ -51,11 +51,10 @@ impl FormRows {
             (c.clone(), [xx, yx, yy, zx, zy, zz])
         });
         // Nodes that fill up a vector have rows of zeros, which rows that are the same for all nodes would not be.
-        let is_same = |term: &LowRankTerm| {
-            term.b[0].iter().chain(&term.c[0]).all(|&x| graph.scope(x) == Scope::Element)
-        };
+        let is_same =
+            |term: &LowRankTerm| term.b.iter().chain(&term.c).all(|&x| graph.scope(x) == Scope::Element);
         assert!(form.point.is_some() || !form.terms.iter().any(is_same), "rows are the same for all nodes");
-        let rows = form.terms.iter().flat_map(|term| [term.b[0], term.c[0]]).collect();
+        let rows = form.terms.iter().flat_map(|term| [term.b, term.c]).collect();
         Self { rows, point }
     }
 
@@ -157,7 +156,7 @@ struct Scheduler<'a, S> {
 impl<'a, S: Clone> Scheduler<'a, S> {
     fn new(kernel: &'a Kernel<S>) -> Self {
         let graph = &kernel.graph;
-        let forms = kernel.hessians.iter().map(|(_, hessian)| FormRows::new(graph, &hessian.form)).collect();
+        let forms = kernel.hessians.iter().map(|(_, hessian)| FormRows::new(graph, hessian)).collect();
         let mut scheduler =
             Self { kernel, graph, forms, levels: FxHashMap::default(), reachable: Vec::new() };
         let mut seen = FxHashSet::default();
@@ -196,7 +195,7 @@ impl<'a, S: Clone> Scheduler<'a, S> {
             for (row, node) in form.rows.iter().enumerate() {
                 all.push((NodeTarget::Row { hessian, row }, node.to_vec()));
             }
-            let own = (0..3).flat_map(|row| data.form.own[row][..=row].to_vec());
+            let own = (0..3).flat_map(|row| data.own[row][..=row].to_vec());
             all.push((NodeTarget::Own { hessian }, own.collect()));
         }
         for (value, &(_, x)) in self.kernel.node_values.iter().enumerate() {

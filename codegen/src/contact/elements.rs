@@ -2,7 +2,7 @@
 
 use rustc_hash::FxHashSet;
 
-use crate::expr::AXES;
+use crate::expr::{AXES, Expr, Mat3, Sheet, Vec3, Vector};
 use crate::graph::{ExprId, Op};
 use crate::kernel::{
     Differentiated, ElementKernels, ElementSpec, Input, Kernel, Mode, NodeResult, Points, Returned, Role,
@@ -12,7 +12,7 @@ use crate::model::{
     Basis, DOMAIN_RATIO, FacetShape, FrameRule, KernelSpec, MATERIAL_INPUTS, Output, PLANE_REACH,
     WEIGHT_NUMBER, Weight,
 };
-use crate::structure::{Gradient, Hessian};
+use crate::structure::{Gradient, LowRankForm, LowRankTerm};
 
 /// Derivatives of a kernel by number of derivatives: a value with a Jacobian has no second ones.
 const GRADIENT: &str = "gradient";
@@ -183,12 +183,13 @@ fn as_element(mut kernel: Kernel<KernelSpec>, signature: &Signature) -> Kernel<E
             of_nodes.push((NodeResult::First { argument: argument.clone(), row, component }, x));
         }
     }
-    if let Some((_, Hessian { slave, node_slave, form, .. })) = kernel.hessians.first() {
+    if let Some((_, form)) = kernel.hessians.first() {
+        let [slave, with_slave] = kernel.graph.write(|sheet| blocks_of_slave(sheet, form));
         values.push(derivative(HESSIAN, (0..3).flat_map(|row| slave[row][..=row].to_vec()).collect()));
         for (component, variable) in (0..3).flat_map(|i| (0..3).map(move |j| (i, j))) {
-            of_nodes.push((NodeResult::Mixed { component, variable }, node_slave[component][variable]));
+            of_nodes.push((NodeResult::Mixed { component, variable }, with_slave[component][variable]));
         }
-        let rows = form.terms.iter().flat_map(|term| [term.b[0], term.c[0]]).enumerate();
+        let rows = form.terms.iter().flat_map(|term| [term.b, term.c]).enumerate();
         for (row, x) in rows {
             let entries = x.into_iter().enumerate();
             of_nodes.extend(entries.map(|(component, x)| (NodeResult::Row { row, component }, x)));
@@ -200,6 +201,27 @@ fn as_element(mut kernel: Kernel<KernelSpec>, signature: &Signature) -> Kernel<E
     let (node_results, of_nodes) = of_nodes.into_iter().unzip();
     let spec = ElementSpec { signature, mode, quantities, node_results, direction: None };
     Kernel::of_element(spec, kernel.graph, values, of_nodes)
+}
+
+/// The blocks of a Hessian that the slave takes part in: its own, and that of a node with it.
+fn blocks_of_slave<'g>(sheet: &'g Sheet, form: &LowRankForm) -> [[[ExprId; 3]; 3]; 2] {
+    let own = |i: usize, j: usize| sheet.expr(form.own[i][j]);
+    let rows = |letter: &str, of: fn(&LowRankTerm) -> [ExprId; 3]| -> [Vec<Vec3<'g>>; 2] {
+        let nodes: Vec<Vec3<'g>> =
+            form.terms.iter().map(|term| Vector(of(term).map(|x| sheet.expr(x)))).collect();
+        let slave =
+            |(k, row): (usize, &Vec3<'g>)| row.map(|x| -x.sum()).named(&format!("{letter}_slave_{k}"));
+        let slave = nodes.iter().enumerate().map(slave).collect();
+        [nodes, slave]
+    };
+    let ([b, b_slave], [c, c_slave]) = (rows("b", |term| term.b), rows("c", |term| term.c));
+    let product = |start: Expr<'g>, b: &[Vec3<'g>], c: &[Vec3<'g>], i: usize, j: usize| {
+        let first = c.iter().zip(&b_slave).map(|(c, b)| c[i] * b[j]);
+        let second = b.iter().zip(&c_slave).map(|(b, c)| b[i] * c[j]);
+        first.chain(second).fold(start, |sum, product| sum + product)
+    };
+    let slave = Mat3::symmetric(|i, j| product(own(i, j).sum(), &b_slave, &c_slave, i, j));
+    [slave.ids(), Mat3::from_fn(|i, j| product(-own(i, j), &b, &c, i, j)).ids()]
 }
 
 fn derivative(name: &str, components: Vec<ExprId>) -> Value {

@@ -5,7 +5,7 @@
 //!   [`Graph`], so formulas are simplified while they are written.
 //! * Nothing is differentiated here: [`Expr::by`] asks the derivative engine.
 //! * Expressions of two sheets cannot be combined: ids would mean something else.
-//! * One type serves elements, nodes and pairs. The graph knows each expression's [`Scope`] and widens it; only
+//! * One type serves elements and nodes. The graph knows each expression's [`Scope`] and widens it; only
 //!   [`Expr::sum`] leads back from a node to the element.
 
 mod operators;
@@ -215,18 +215,6 @@ impl<'g> Expr<'g> {
     #[must_use]
     pub fn sum(self) -> Self {
         self.map(Graph::sum)
-    }
-
-    /// Of a node value, that of a pair's row.
-    #[must_use]
-    pub fn at_row(self) -> Self {
-        self.map(Graph::at_row)
-    }
-
-    /// Of a node value, that of a pair's column.
-    #[must_use]
-    pub fn at_column(self) -> Self {
-        self.map(Graph::at_column)
     }
 
     /// √x

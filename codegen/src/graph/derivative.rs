@@ -216,7 +216,6 @@ impl Graph {
             }
             Op::Solution(solve, component) => self.differentiate_solution(solve, component, symbol),
             Op::RootValue(root, component) => self.differentiate_root(root, component as usize, symbol),
-            Op::Row(_) | Op::Column(_) => panic!("pair expressions are made after differentiation"),
             op @ (Op::InverseFactor { .. } | Op::PivotRatio(_) | Op::RootFigure(..)) => {
                 panic!("{op:?} is not differentiated: use the solution or the root it belongs to")
             }

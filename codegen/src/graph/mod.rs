@@ -3,7 +3,7 @@
 //! Promises:
 //! * Equal expressions have equal ids, also when products of up to 16 factors are associated differently (see [`Graph::mul`]).
 //! * Ids grow from operands to results, so ascending order is a topological order.
-//! * Every expression knows its [`Scope`]: one value per element, per node, or per pair of nodes. A
+//! * Every expression knows its [`Scope`]: one value per element or per node. A
 //!   [`Op::Sum`] over the nodes turns a node expression into an element expression.
 //! * Symbols may be *bound* to a defining expression. A bound symbol is opaque to differentiation: it is a
 //!   variable of its own, which is what the implicit rules of [`crate::structure`] need.
@@ -66,8 +66,6 @@ pub enum Scope {
     Element,
     /// One value for each master node.
     Node,
-    /// One value for each ordered pair (row, column) of master nodes.
-    Pair,
 }
 
 /// Figures that tell how an iteration for a [`Root`] went.
@@ -163,10 +161,6 @@ pub enum Op {
     RootValue(RootId, u32),
     /// How the iteration for a root went.
     RootFigure(RootId, RootFigure),
-    /// A node expression taken at the pair's row.
-    Row(ExprId),
-    /// A node expression taken at the pair's column.
-    Column(ExprId),
 }
 
 impl Op {
@@ -187,8 +181,7 @@ impl Op {
             Self::Add(x, y) | Self::Mul(x, y) | Self::Div(x, y) | Self::DivOrZero(x, y) => vec![x, y],
             Self::Atan2(x, y) | Self::RealPower(x, y) | Self::Hypot(x, y) => vec![x, y],
             Self::Neg(x) | Self::Sqrt(x) | Self::Exp(x) | Self::Function(_, x) => vec![x],
-            Self::Power(x, _) | Self::Polynomial(x, _) => vec![x],
-            Self::Sum(x) | Self::Row(x) | Self::Column(x) => vec![x],
+            Self::Power(x, _) | Self::Polynomial(x, _) | Self::Sum(x) => vec![x],
             Self::Select { x, y, then, otherwise } => vec![x, y, then, otherwise],
             Self::Constant(_)
             | Self::Symbol(_)
@@ -422,7 +415,6 @@ impl Graph {
         match op {
             Op::Symbol(symbol) => self.symbols[symbol.index()].scope,
             Op::Solution(solve, _) => widest(&self.solves[solve.index()].right_hand_side),
-            Op::Row(_) | Op::Column(_) => Scope::Pair,
             Op::Sum(_) => Scope::Element,
             _ => widest(&op.operands()),
         }

@@ -84,7 +84,7 @@ impl Graph {
         }
         let op = self.op(expr);
         let result = match op {
-            Op::Sum(_) | Op::Row(_) | Op::Column(_) => expr,
+            Op::Sum(_) => expr,
             Op::Hypot(..) if chosen.norms.contains(&expr) => {
                 chosen.copies += 1;
                 let zero = self.zero();
@@ -160,7 +160,7 @@ impl Graph {
                 expr
             }
             Op::Hypot(..) => self.hypot_replaced(expr, replaced),
-            Op::Sum(_) | Op::Row(_) | Op::Column(_) => expr,
+            Op::Sum(_) => expr,
             _ => {
                 let operands = self.operands(expr);
                 // Of a choice the last two.

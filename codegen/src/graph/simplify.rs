@@ -39,8 +39,6 @@ impl Graph {
             }
             (Op::Select { .. }, &[x, y, then, otherwise]) => self.select_less(x, y, then, otherwise),
             (Op::Sum(_), &[x]) => self.sum(x),
-            (Op::Row(_), &[x]) => self.at_row(x),
-            (Op::Column(_), &[x]) => self.at_column(x),
             _ => panic!("{op:?} has other operands"),
         }
     }
@@ -326,7 +324,6 @@ impl Graph {
             let count = self.node_count();
             return self.mul(count, x); // Σ c → n c
         }
-        assert_eq!(self.scope(x), Scope::Node, "a pair expression cannot be summed over the nodes");
         if self.is_as_written {
             return self.intern(Op::Sum(x));
         }
@@ -335,28 +332,6 @@ impl Graph {
         let core = self.without_coefficient(x);
         let sum = self.intern(Op::Sum(core));
         self.scaled(coefficient, sum)
-    }
-
-    /// A node expression at the pair's row; expressions of element scope stay what they are.
-    pub fn at_row(&mut self, x: ExprId) -> ExprId {
-        self.at_node(x, Op::Row)
-    }
-
-    /// A node expression at the pair's column; expressions of element scope stay what they are.
-    pub fn at_column(&mut self, x: ExprId) -> ExprId {
-        self.at_node(x, Op::Column)
-    }
-
-    fn at_node(&mut self, x: ExprId, of_pair: fn(ExprId) -> Op) -> ExprId {
-        match self.op(x) {
-            _ if self.scope(x) != Scope::Node => x,
-            // The sign is free where the value is used.
-            Op::Neg(inner) => {
-                let inner = self.at_node(inner, of_pair);
-                self.neg(inner)
-            }
-            _ => self.intern(of_pair(x)),
-        }
     }
 
     /// x · y for two vectors of equal length.
@@ -641,16 +616,5 @@ mod tests {
         assert_eq!(g.power(cube, -2), g.power(x, -6));
         let (xx, yy) = (g.mul(x, x), g.mul(y, y));
         assert_eq!(g.power(r, 2), g.add(xx, yy));
-    }
-
-    #[test]
-    fn the_sign_of_a_node_value_is_left_to_the_pair() {
-        let mut g = Graph::new();
-        let w = g.input("w", Scope::Node);
-        let minus = g.neg(w);
-        let (row, column) = (g.at_row(w), g.at_column(w));
-        let (minus_row, minus_column) = (g.at_row(minus), g.at_column(minus));
-        assert_eq!(minus_row, g.neg(row));
-        assert_eq!(minus_column, g.neg(column));
     }
 }

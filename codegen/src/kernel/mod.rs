@@ -11,7 +11,7 @@ mod unknowns;
 use std::borrow::Cow;
 
 use crate::graph::{ExprId, Graph};
-use crate::structure::{Gradient, Hessian};
+use crate::structure::{Gradient, LowRankForm};
 
 pub use element::ElementModel;
 pub use error::ElementError;
@@ -79,7 +79,7 @@ pub struct Kernel<S> {
     /// Gradients, named.
     pub gradients: Vec<(&'static str, Gradient)>,
     /// Hessians, named.
-    pub hessians: Vec<(&'static str, Hessian)>,
+    pub hessians: Vec<(&'static str, LowRankForm)>,
     /// Results of node scope, named.
     pub node_values: Vec<(&'static str, ExprId)>,
     /// First derivatives that only a caller who asks for them gets, as combinations of rows b of the first Hessian's terms: a coefficient

@@ -6,7 +6,7 @@ use super::weight::Weight;
 use crate::expr::{Expr, Sheet, System, Vector, total};
 use crate::graph::{ExprId, Graph, Scope};
 use crate::kernel::{CHECKSUM, Equation, Kernel, Mode, Value};
-use crate::structure::{Functional, Gradient, Hessian, NodeProblem};
+use crate::structure::{Functional, Gradient, LowRankForm, NodeProblem};
 
 /// What a kernel computes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
@@ -143,7 +143,7 @@ impl Kernel<KernelSpec> {
 struct Results {
     values: Vec<Value>,
     gradients: Vec<(&'static str, Gradient)>,
-    hessians: Vec<(&'static str, Hessian)>,
+    hessians: Vec<(&'static str, LowRankForm)>,
     node_values: Vec<(&'static str, ExprId)>,
     combinations: Vec<(&'static str, Vec<ExprId>)>,
     equations: Vec<Equation>,

@@ -11,7 +11,8 @@
 //! each row, of element scope.
 
 use super::elimination::Elimination;
-use super::node_problem::{Hessian, NodeProblem};
+use super::low_rank::LowRankForm;
+use super::node_problem::NodeProblem;
 use crate::expr::{Expr, dot, ids};
 use crate::graph::ExprId;
 
@@ -23,7 +24,7 @@ impl<'g> NodeProblem<'g> {
     /// If a row that the Hessian does without is needed.
     pub fn combination(
         &self,
-        hessian: &Hessian,
+        hessian: &LowRankForm,
         (by_alpha, by_theta): (&[Expr<'g>], Option<&[Expr<'g>]>),
     ) -> Vec<ExprId> {
         let solved = |system: &Elimination<'g>, v: &[Expr<'g>]| -> Vec<Expr<'g>> {
@@ -40,7 +41,7 @@ impl<'g> NodeProblem<'g> {
             };
             all.extend(solved(&outer.system, &total));
         }
-        let rows: Vec<usize> = hessian.form.terms.iter().map(|term| term.row).collect();
+        let rows: Vec<usize> = hessian.terms.iter().map(|term| term.row).collect();
         for (row, coefficient) in all.iter().enumerate() {
             assert!(rows.contains(&row) || coefficient.is_zero(), "row {row} is no part of the Hessian");
         }

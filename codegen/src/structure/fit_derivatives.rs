@@ -22,10 +22,10 @@
 use super::elimination::Elimination;
 use super::factors::ScaledVector;
 use super::low_rank::{Factors, LowRankForm};
-use super::node_problem::{Block, Functional, Gradient, Hessian, Lagrangian, NodeProblem};
+use super::node_problem::{Block, Functional, Gradient, Lagrangian, NodeProblem};
 use super::outer_block::Reduced;
 use super::point::PointRows;
-use crate::expr::{AXES, Expr, Mat3, System, Vec3, all_at, dot};
+use crate::expr::{AXES, Expr, System, Vec3, all_at, dot};
 use crate::graph::Op;
 
 impl<'g> NodeProblem<'g> {
@@ -69,32 +69,19 @@ impl<'g> NodeProblem<'g> {
         let lagrangian = self.lagrangian(functional).total;
         let node = self.coordinates.gradient(lagrangian).at(&self.values);
         let point = functional.point.as_ref().map(|point| point.gradient(functional));
-        let slave = minus(negative_sum(node), point).named(&format!("d{}_dslave", functional.name));
+        let of_nodes = node.map(|x| -x.sum());
+        let slave =
+            point.map_or(of_nodes, |point| of_nodes - point).named(&format!("d{}_dslave", functional.name));
         let node = Vec3::from_fn(|k| node[k].named(&format!("d{}_d{}", functional.name, AXES[k])));
         Gradient { slave: slave.ids(), node: node.ids(), point: point.map(Vec3::ids) }
     }
 
     /// d²G/dx².
-    pub fn hessian(&self, functional: &Functional<'g>) -> Hessian {
+    pub fn hessian(&self, functional: &Functional<'g>) -> LowRankForm {
         let lagrangian = self.lagrangian(functional);
         let own = self.coordinates.hessian(lagrangian.total).at(&self.values);
         let (node, point) = self.factors(functional, &lagrangian);
-        let b = slave_rows(&node.b, &[], "b");
-        let point_rows = point.as_ref().map_or(&[][..], |point| &point.c);
-        let slave = Factors { b, c: slave_rows(&node.c, point_rows, &format!("c_{}", functional.name)) };
-        let point_own = point.as_ref().map(|point| point.own);
-        let slave_own = |i: usize, j: usize| {
-            let nodes = own[i][j].sum();
-            point_own.map_or(nodes, |point| nodes + point[i][j])
-        };
-        Hessian {
-            pair: Mat3::from_fn(|i, j| node.pair(i, j)).ids(),
-            node_slave: Mat3::from_fn(|i, j| node.product(-own[i][j], &slave, i, j)).ids(),
-            slave: Mat3::symmetric(|i, j| slave.product(slave_own(i, j), &slave, i, j)).ids(),
-            diagonal: Mat3::symmetric(|i, j| node.product(own[i][j], &node, i, j)).ids(),
-            point: point.as_ref().map(|point| point.blocks(&node, &slave)),
-            form: LowRankForm::new(own, &node, &slave, point.as_ref()),
-        }
+        LowRankForm::new(own, &node, point.as_ref())
     }
 
     /// ∂G/∂zᵢ for a quantity G linear in the unknowns, with ∂G/∂α = `first`, and a variable z of node scope that the
@@ -246,21 +233,4 @@ fn add_second_derivative<'g>(
             factors.c[row] += entry.named(&format!("{name}_{row}_{column}")) * factors.b[column];
         }
     }
-}
-
-/// The slave's rows of a factor: the negative sums of the nodes', and of the point's where there are any.
-fn slave_rows<'g>(rows: &[Vec3<'g>], point: &[Vec3<'g>], letter: &str) -> Vec<Vec3<'g>> {
-    let slave =
-        |(k, &row)| minus(negative_sum(row), point.get(k).copied()).named(&format!("{letter}_slave_{k}"));
-    rows.iter().enumerate().map(slave).collect()
-}
-
-/// x − y, or x where there is no y.
-fn minus<'g>(x: Vec3<'g>, y: Option<Vec3<'g>>) -> Vec3<'g> {
-    y.map_or(x, |y| x - y)
-}
-
-/// −Σ x
-fn negative_sum(x: Vec3<'_>) -> Vec3<'_> {
-    x.map(|x| -x.sum())
 }

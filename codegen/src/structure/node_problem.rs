@@ -3,7 +3,6 @@
 use super::coordinates::CoordinateMap;
 use super::elimination::Elimination;
 use super::factors::{ScaledVector, common_factor};
-use super::low_rank::LowRankForm;
 use super::point::PointDependence;
 use crate::expr::{Expr, Values};
 use crate::graph::ExprId;
@@ -72,34 +71,6 @@ pub struct Gradient {
     pub node: [ExprId; 3],
     /// By the coordinates of the point that G depends on besides, if it does.
     pub point: Option<[ExprId; 3]>,
-}
-
-/// d²G/dx² by global coordinates; `[row][column]`. The blocks are what the form says.
-#[derive(Clone, Debug)]
-pub struct Hessian {
-    /// Slave by slave, symmetric.
-    pub slave: [[ExprId; 3]; 3],
-    /// Row of a master node, column of the slave.
-    pub node_slave: [[ExprId; 3]; 3],
-    /// A master node by itself, symmetric.
-    pub diagonal: [[ExprId; 3]; 3],
-    /// Row of one master node, column of another.
-    pub pair: [[ExprId; 3]; 3],
-    /// Of the point that G depends on besides, if it does.
-    pub point: Option<PointBlocks>,
-    /// All of it as products of rows.
-    pub form: LowRankForm,
-}
-
-/// The rows of a Hessian that belong to a point; `[row][column]`.
-#[derive(Clone, Copy, Debug)]
-pub struct PointBlocks {
-    /// Column of the slave.
-    pub slave: [[ExprId; 3]; 3],
-    /// Column of a master node.
-    pub node: [[ExprId; 3]; 3],
-    /// The point by itself, symmetric.
-    pub diagonal: [[ExprId; 3]; 3],
 }
 
 /// Λ = Λ₁ + Λ₂, a node expression in which the unknowns and the adjoint ones are variables of their own.

@@ -4,8 +4,7 @@
 //! node does, with G in the place of λ·ρ, and moves with the outer unknowns as a node does.
 
 use super::coordinates::CoordinateMap;
-use super::low_rank::Factors;
-use super::node_problem::{Block, Functional, PointBlocks};
+use super::node_problem::{Block, Functional};
 use crate::expr::{Expr, Mat3, Values, Vec3};
 
 /// How a quantity G(α, y) depends on a point y. Everything is of element scope.
@@ -62,23 +61,5 @@ impl<'g> PointDependence<'g> {
         });
         let row = |k: usize| Vec3::from_fn(|axis| block.system.signed(k, columns[axis][k]));
         (0..v.len()).map(|k| row(k).named("c_point")).collect()
-    }
-}
-
-impl PointRows<'_> {
-    /// The blocks of the point's rows.
-    pub fn blocks(&self, node: &Factors<'_>, slave: &Factors<'_>) -> PointBlocks {
-        let product = |start: Expr<'_>, rows: &[Vec3<'_>], i: usize, j: usize| {
-            self.c.iter().zip(rows).fold(start, |sum, (c, b)| sum + c[i] * b[j]).id()
-        };
-        let sheet = self.own[0][0].sheet();
-        let block = |entry: &dyn Fn(usize, usize) -> crate::graph::ExprId| {
-            [0, 1, 2].map(|i| [0, 1, 2].map(|j| entry(i, j)))
-        };
-        PointBlocks {
-            slave: block(&|i, j| product(-self.own[i][j], &slave.b, i, j)),
-            node: block(&|i, j| product(sheet.zero(), &node.b, i, j)),
-            diagonal: self.own.ids(),
-        }
     }
 }

@@ -1,8 +1,9 @@
 //! Results of one kernel at one element.
 
 use diffuse_contact::{Element, ElementError, Gap, SymmetricMatrix};
+use diffuse_contact_codegen::graph::ExprId;
 use diffuse_contact_codegen::interpret::Interpreter;
-use diffuse_contact_codegen::structure::{Gradient, Hessian};
+use diffuse_contact_codegen::structure::{Gradient, LowRankForm};
 use diffuse_contact_codegen::{FrameRule, Kernel, KernelSpec};
 use diffuse_contact_kernels::support::GapValues;
 
@@ -98,13 +99,13 @@ impl Evaluation<'_> {
         let kernel = self.kernel;
         let found = kernel.combinations.iter().find(|(other, _)| *other == name);
         let (_, coefficients) = found.unwrap_or_else(|| panic!("no combination is named {name}"));
-        let terms = &kernel.hessians[0].1.form.terms;
+        let terms = &kernel.hessians[0].1.terms;
         let mut all = vec![[0.0; 3]];
         for node in 0..self.count {
             let mut entries = [0.0; 3];
             for (term, &coefficient) in terms.iter().zip(coefficients) {
                 let coefficient = self.interpreter.element(coefficient);
-                for (entry, b) in entries.iter_mut().zip(term.b[0]) {
+                for (entry, b) in entries.iter_mut().zip(term.b) {
                     *entry += coefficient * self.interpreter.node(b, node);
                 }
             }
@@ -127,34 +128,47 @@ impl Evaluation<'_> {
         kernel.hessians.iter().map(|(_, hessian)| self.hessian(hessian)).collect()
     }
 
-    /// The packed lower triangle, row by row.
-    fn hessian(&mut self, hessian: &Hessian) -> SymmetricMatrix {
-        let mut entries = Vec::new();
-        for row in 0..3 {
-            entries.extend(hessian.slave[row][..=row].iter().map(|&x| self.interpreter.element(x)));
-        }
+    /// The products of the form's rows, one by one: slave, nodes, and a point if there is one.
+    fn hessian(&mut self, form: &LowRankForm) -> SymmetricMatrix {
+        let vector = |of: [ExprId; 3], at: &mut dyn FnMut(ExprId) -> f64| of.map(at);
+        let (mut b, mut c, mut own) = (Vec::new(), Vec::new(), Vec::new());
         for node in 0..self.count {
-            for row in 0..3 {
-                entries.extend(hessian.node_slave[row].map(|x| self.interpreter.node(x, node)));
-                for other in 0..node {
-                    entries.extend(hessian.pair[row].map(|x| self.interpreter.pair(x, node, other)));
+            let mut at = |x| self.interpreter.node(x, node);
+            b.push(form.terms.iter().map(|term| vector(term.b, &mut at)).collect::<Vec<_>>());
+            c.push(form.terms.iter().map(|term| vector(term.c, &mut at)).collect::<Vec<_>>());
+            own.push(form.own.map(|row| vector(row, &mut at)));
+        }
+        if let Some(point) = &form.point {
+            let mut at = |x| self.interpreter.element(x);
+            b.push(vec![[0.0; 3]; form.terms.len()]);
+            c.push(point.c.iter().map(|&row| vector(row, &mut at)).collect());
+            own.push(point.own.map(|row| vector(row, &mut at)));
+        }
+        // The slave's rows and its own block follow from those of all others.
+        let slave = |rows: &[Vec<[f64; 3]>], term: usize| {
+            [0, 1, 2].map(|axis| -rows.iter().map(|row| row[term][axis]).sum::<f64>())
+        };
+        let of_slave = |rows: &[Vec<[f64; 3]>]| (0..form.terms.len()).map(|term| slave(rows, term)).collect();
+        let (b_slave, c_slave) = (of_slave(&b), of_slave(&c));
+        b.insert(0, b_slave);
+        c.insert(0, c_slave);
+        let own_block = |row: usize, column: usize, i: usize, j: usize| match (row, column) {
+            (0, 0) => own.iter().map(|block| block[i][j]).sum(),
+            (node, 0) => -own[node - 1][i][j],
+            (node, other) if node == other => own[node - 1][i][j],
+            _ => 0.0,
+        };
+        let mut entries = Vec::new();
+        for (row, i) in (0..b.len()).flat_map(|row| [0, 1, 2].map(|i| (row, i))) {
+            for (column, j) in (0..=row).flat_map(|column| [0, 1, 2].map(|j| (column, j))) {
+                if column < row || j <= i {
+                    let products = (0..form.terms.len())
+                        .map(|k| c[row][k][i] * b[column][k][j] + b[row][k][i] * c[column][k][j]);
+                    entries.push(own_block(row, column, i, j) + products.sum::<f64>());
                 }
-                let diagonal = &hessian.diagonal[row][..=row];
-                entries.extend(diagonal.iter().map(|&x| self.interpreter.node(x, node)));
             }
         }
-        let mut nodes = self.count + 1;
-        if let Some(point) = &hessian.point {
-            nodes += 1;
-            for row in 0..3 {
-                entries.extend(point.slave[row].map(|x| self.interpreter.element(x)));
-                for node in 0..self.count {
-                    entries.extend(point.node[row].map(|x| self.interpreter.node(x, node)));
-                }
-                entries.extend(point.diagonal[row][..=row].iter().map(|&x| self.interpreter.element(x)));
-            }
-        }
-        let mut matrix = SymmetricMatrix::zeros(3 * nodes);
+        let mut matrix = SymmetricMatrix::zeros(3 * b.len());
         matrix.packed_mut().copy_from_slice(&entries);
         matrix
     }

@@ -368,10 +368,8 @@ impl Config {
             }
         }
         let elements = || self.element_modules(&support, optimised);
-        let options = EmitOptions::new(&support, &self.bases)
-            .with_fit(self.fit)
-            .with_friction(self.friction)
-            .with_optimised(optimised);
+        let Self { bases, fit, friction, .. } = self;
+        let options = EmitOptions { support: &support, bases, fit: *fit, friction: *friction, optimised };
         emit_file(&self.weights, elements, options)
     }
 

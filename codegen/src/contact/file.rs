@@ -18,8 +18,7 @@ const STACK: usize = 8 << 20;
 
 /// What the kernels of all weights have in common.
 #[derive(Clone, Copy)]
-#[non_exhaustive]
-pub struct EmitOptions<'a> {
+pub(crate) struct EmitOptions<'a> {
     /// Path of the support module: `crate::support` or `::diffuse_contact_kernels::support`.
     pub support: &'a syn::Path,
     /// Bases of the fit.
@@ -32,34 +31,8 @@ pub struct EmitOptions<'a> {
     pub optimised: bool,
 }
 
-impl<'a> EmitOptions<'a> {
-    /// Kernels of these bases for the gap alone, for a crate that is compiled with optimisation.
-    pub const fn new(support: &'a syn::Path, bases: &'a [Basis]) -> Self {
-        Self { support, bases, fit: false, friction: false, optimised: true }
-    }
-
-    /// With or without the fit by itself.
-    #[must_use]
-    pub const fn with_fit(self, fit: bool) -> Self {
-        Self { fit, ..self }
-    }
-
-    /// With or without the slip from an anchor.
-    #[must_use]
-    pub const fn with_friction(self, friction: bool) -> Self {
-        Self { friction, ..self }
-    }
-
-    /// For a crate that is, or is not, compiled with optimisation.
-    #[must_use]
-    pub const fn with_optimised(self, optimised: bool) -> Self {
-        Self { optimised, ..self }
-    }
-}
-
 /// A function with more than [`MOST_STATEMENTS`](crate::emit::MOST_STATEMENTS).
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct TooLong {
+pub(crate) struct TooLong {
     /// The weight, or the weights that share kernels, by their names.
     pub weight: String,
     /// The function.
@@ -74,7 +47,7 @@ pub struct TooLong {
 ///
 /// # Errors
 /// [`TooLong`], and those of `elements`, which come first.
-pub fn emit_file<E: From<TooLong>>(
+pub(crate) fn emit_file<E: From<TooLong>>(
     weights: &[Vec<Weight>],
     elements: impl FnOnce() -> Result<Vec<TokenStream>, E>,
     options: EmitOptions<'_>,

@@ -6,5 +6,6 @@ mod formula;
 mod kernels;
 mod module;
 
-pub use file::{EmitOptions, TooLong, emit_file, emit_single, emit_single_element};
+pub(crate) use file::{EmitOptions, TooLong, emit_file};
+pub use file::{emit_single, emit_single_element};
 pub use kernels::emit_kernel;

@@ -5,7 +5,7 @@ use super::error::ElementError;
 use super::signature::Quantity;
 use crate::expr::{Expr, Matrix, Vector, total};
 use crate::graph::{ExprId, Iteration, Limits, RootFigure, Scope, SymmetricSystem};
-use crate::structure::{Implicit, Jacobian, sums_in};
+use crate::structure::{Elimination, Implicit, sums_in};
 
 /// Where equations are solved, see [`ElementModel::root`], [`ElementModel::root_from`], [`ElementModel::minimum`],
 /// [`ElementModel::stationary_from`] and [`ElementModel::solve`].
@@ -194,7 +194,7 @@ impl<'g> ElementModel<'g> {
             self.implicit.borrow_mut().push(Implicit {
                 unknowns: values.to_vec(),
                 equations: equations.to_vec(),
-                jacobian: Jacobian::Inverse(
+                jacobian: Elimination::Inverse(
                     self.sheet.inverse_general(&format!("{name}_inverse"), &jacobian),
                 ),
             });
@@ -251,7 +251,7 @@ impl<'g> ElementModel<'g> {
             self.implicit.borrow_mut().push(Implicit {
                 unknowns: values.to_vec(),
                 equations: equations.at(&unknowns.set_to(values)).to_vec(),
-                jacobian: Jacobian::Symmetric(system),
+                jacobian: Elimination::Symmetric(system),
             });
         }
         Stationary { unknowns: values, pivot_ratio: system.pivot_ratio() }

@@ -1,10 +1,10 @@
-//! How the equations of a block of unknowns are solved.
+//! How equations for unknowns are solved, by the matrix of their derivatives.
 
 use super::coordinates::CoordinateMap;
 use super::follower::Follower;
 use crate::expr::{Expr, System, dot, inverse_by_elimination};
 
-/// How a block's equations are solved.
+/// How equations are solved.
 #[derive(Clone, Debug)]
 pub enum Elimination<'g> {
     /// A symmetric A, by its factor.
@@ -32,14 +32,29 @@ impl<'g> Elimination<'g> {
         Self::Inverse(inverse_by_elimination(&matrix, name))
     }
 
+    /// A⁻¹ v, or A⁻ᵀ v; 0 for 0.
+    pub(super) fn solve(&self, v: &[Expr<'g>], is_transposed: bool) -> Vec<Expr<'g>> {
+        if v.iter().all(|x| x.is_zero()) {
+            return v.to_vec();
+        }
+        let entry = |inverse: &[Vec<Expr<'g>>], k: usize| match is_transposed {
+            true => dot(inverse.iter().map(|row| row[k]), v),
+            false => dot(&inverse[k], v),
+        };
+        match self {
+            Self::Symmetric(system) => system.solve_once(v),
+            Self::Inverse(inverse) => (0..v.len()).map(|k| entry(inverse, k)).collect(),
+        }
+    }
+
     /// A⁻ᵀ v as variables `name_0`, …, the same ones for the same v; 0 for 0.
     pub(super) fn solve_transposed(&self, v: &[Expr<'g>], name: &str) -> Vec<Expr<'g>> {
         match self {
             Self::Symmetric(system) => system.solve_bound(v, name),
             Self::Inverse(_) if v.iter().all(|x| x.is_zero()) => v.to_vec(),
-            Self::Inverse(inverse) => {
-                let entry = |k: usize| dot(inverse.iter().map(|row| row[k]), v);
-                (0..v.len()).map(|k| entry(k).bind_once(&format!("{name}_{k}"))).collect()
+            Self::Inverse(_) => {
+                let bound = |(k, x): (usize, Expr<'g>)| x.bind_once(&format!("{name}_{k}"));
+                self.solve(v, true).into_iter().enumerate().map(bound).collect()
             }
         }
     }

@@ -32,6 +32,6 @@ pub use intermediates::{Written, as_bound, with_found};
 pub use invariance::{NodeVectors, hessian_product, total_derivatives};
 pub use low_rank::{LowRankForm, LowRankTerm, PointForm};
 pub use node_problem::{Block, Functional, Gradient, NodeProblem};
-pub use node_sums::{Asked, Implicit, Jacobian, NoSum, NodeDerivatives, NodeSecond, node_derivatives};
+pub use node_sums::{Asked, Implicit, NoSum, NodeDerivatives, NodeSecond, node_derivatives};
 pub(crate) use node_sums::{has_within, sums_in};
 pub use point::PointDependence;

@@ -26,8 +26,9 @@ use std::collections::btree_map::Entry;
 use rustc_hash::FxHashMap;
 
 use super::definition::Intermediate;
+use super::elimination::Elimination;
 use super::expansion::{ratio_to_norm, slope_of_norm, square_of_norm};
-use crate::expr::{Expr, Sheet, System, dot};
+use crate::expr::{Expr, Sheet, dot};
 use crate::graph::{ExprId, Graph, Op};
 
 /// Unknowns of equations, the equations written in the unknowns.
@@ -38,16 +39,7 @@ pub struct Implicit<'g> {
     /// r, linear in sums over the nodes.
     pub equations: Vec<Expr<'g>>,
     /// r_u
-    pub jacobian: Jacobian<'g>,
-}
-
-/// The derivatives of equations by their unknowns.
-#[derive(Clone, Debug)]
-pub enum Jacobian<'g> {
-    /// A symmetric system.
-    Symmetric(System<'g>),
-    /// Any matrix, by its inverse, rows.
-    Inverse(Vec<Vec<Expr<'g>>>),
+    pub jacobian: Elimination<'g>,
 }
 
 /// Derivatives of a function.
@@ -306,23 +298,6 @@ pub(crate) fn sums_in(expr: Expr<'_>) -> Vec<Expr<'_>> {
 /// Whether a sum stands within this one that fulfils a condition.
 pub(crate) fn has_within(sum: Expr<'_>, condition: impl Fn(Expr<'_>) -> bool) -> bool {
     sums_in(sum).into_iter().any(|inner| inner != sum && condition(inner))
-}
-
-impl<'g> Jacobian<'g> {
-    fn solve(&self, right_hand_side: &[Expr<'g>], is_transposed: bool) -> Vec<Expr<'g>> {
-        if right_hand_side.iter().all(|x| x.is_zero()) {
-            return right_hand_side.to_vec();
-        }
-        match self {
-            Self::Symmetric(system) => system.solve_once(right_hand_side),
-            Self::Inverse(inverse) => (0..right_hand_side.len())
-                .map(|k| match is_transposed {
-                    true => dot(inverse.iter().map(|row| row[k]), right_hand_side),
-                    false => dot(&inverse[k], right_hand_side),
-                })
-                .collect(),
-        }
-    }
 }
 
 impl<'g> Expansion<'g> {

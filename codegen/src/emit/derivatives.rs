@@ -73,6 +73,13 @@ impl Derivative {
         all
     }
 
+    /// Row and column of an entry by variables of the element, if it stands in a later row than the first: rows of a Jacobian are as long
+    /// as the element has variables, with those of its nodes.
+    pub fn later_row(&self, k: usize, of_element: usize) -> Option<[usize; 2]> {
+        let is_later = matches!(self.entries, Entries::Jacobian(_)) && k >= of_element;
+        is_later.then(|| [k / of_element, k % of_element])
+    }
+
     /// The names of those of a kernel.
     pub fn names(spec: &ElementSpec) -> Vec<String> {
         Self::of(spec).into_iter().map(|derivative| derivative.name).collect()

@@ -4,7 +4,6 @@ use proc_macro2::{Group, Literal, TokenStream, TokenTree};
 use quote::{format_ident, quote};
 
 use super::count::OpCounts;
-use super::derivatives::Derivative;
 use super::element_kernel::{EmittedElementKernel, documentation, function_name, title};
 use super::fixed::{Fixed, Head};
 use super::function::solver_name;
@@ -18,18 +17,28 @@ use crate::schedule::Program;
 
 /// Lowers, schedules and writes a kernel of an element.
 pub fn emit_element_kernel(kernel: &Kernel<ElementSpec>) -> EmittedElementKernel {
-    let program = Program::new(tabulated(lower(kernel)));
+    write_element_kernel(&scheduled(kernel))
+}
+
+/// The program of a kernel of an element.
+pub(super) fn scheduled(kernel: &Kernel<ElementSpec>) -> Program<ElementSpec> {
+    Program::new(tabulated(lower(kernel)))
+}
+
+/// Writes a kernel of an element.
+pub(super) fn write_element_kernel(program: &Program<ElementSpec>) -> EmittedElementKernel {
     let spec = &program.kernel.spec;
     if !spec.signature.nodes.is_empty() {
-        return emit_node_kernel(&program, &Derivative::names(spec));
+        return emit_node_kernel(program);
     }
     let head = Head::new(spec);
-    let function = Fixed::new(&program, &head);
+    let function = Fixed::new(program, &head);
     let mut kernel = EmittedElementKernel {
         mode: spec.mode,
         tokens: TokenStream::new(),
         counts: function.counts,
         per_node: [OpCounts::default(); 2],
+        scratch: 0,
         iteration: function.iteration,
         statements: function.statements,
     };
@@ -48,9 +57,10 @@ pub fn emit_element(
     optimised: bool,
 ) -> Result<TokenStream, ElementError> {
     let signature = &element.signature;
-    let (mut kernels, mut iterations) = (Vec::new(), Vec::new());
+    let (mut kernels, mut iterations, mut scratch) = (Vec::new(), Vec::new(), Vec::new());
     for kernel in element.kernels.iter().chain(&element.product) {
-        let EmittedElementKernel { tokens, statements, .. } = emit_element_kernel(kernel);
+        let EmittedElementKernel { tokens, statements, scratch: of_kernel, .. } = emit_element_kernel(kernel);
+        scratch.push(of_kernel);
         if statements > super::MOST_STATEMENTS {
             let function = function_name(&kernel.spec).to_owned();
             return Err(ElementError::TooLong { function, statements });
@@ -73,13 +83,14 @@ pub fn emit_element(
     ];
     let others = others.into_iter().filter(|(_, is_used)| *is_used).map(|(name, _)| format_ident!("{name}"));
     let (types, runners, unused) = if has_nodes {
-        let types = node_module::types(element, last);
+        let types = node_module::types(signature, last, &scratch[..element.kernels.len()]);
         (types, node_module::runners(signature, last), Some(quote!(#[allow(unused_variables)])))
     } else {
         (element_module::types(signature, last), element_module::runners(signature, last), None)
     };
-    let products = element.product.as_ref().map(|product| {
-        if has_nodes { product_module::with_nodes(product) } else { product_module::of_fixed_size(signature) }
+    let products = element.product.as_ref().map(|_| match scratch.last() {
+        Some(&scratch) if has_nodes => product_module::with_nodes(signature, scratch),
+        _ => product_module::of_fixed_size(signature),
     });
     Ok(without_suffixes(quote! {
         #[doc = #doc]

@@ -17,6 +17,8 @@ pub struct EmittedElementKernel {
     pub counts: OpCounts,
     /// Operations for each node, and for each pair of nodes; none of an element of fixed size.
     pub per_node: [OpCounts; 2],
+    /// Numbers of scratch for each node; none of an element of fixed size.
+    pub scratch: usize,
     /// Operations of one evaluation of the equations of roots.
     pub iteration: OpCounts,
     /// Statements of the function.

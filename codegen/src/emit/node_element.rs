@@ -4,7 +4,7 @@ use proc_macro2::TokenStream;
 use quote::{format_ident, quote};
 
 use super::count::OpCounts;
-use super::derivatives::DIRECTION;
+use super::derivatives::{DIRECTION, Derivative};
 use super::element_kernel::{EmittedElementKernel, documentation, function_name};
 use super::expression::Lanes;
 use super::fixed::{self, nested, reads_and_count, reads_by_place};
@@ -83,13 +83,15 @@ impl Scratch {
     }
 }
 
-/// Writes the function of a kernel; `arguments` are what derivatives are written to.
-pub(super) fn emit_node_kernel(program: &Program<ElementSpec>, arguments: &[String]) -> EmittedElementKernel {
+/// Writes the function of a kernel.
+pub(super) fn emit_node_kernel(program: &Program<ElementSpec>) -> EmittedElementKernel {
     let spec = &program.kernel.spec;
     let ElementSpec { signature, mode, direction, .. } = spec;
     let scratch = Scratch::new(program);
     let mut function = FunctionWriter::new(program);
-    let names: Vec<&str> = arguments.iter().map(String::as_str).collect();
+    // What derivatives are written to.
+    let arguments = Derivative::of(spec);
+    let names: Vec<&str> = arguments.iter().map(|argument| argument.name.as_str()).collect();
     function.writer.names.reserve(&names);
     function.writer.names.reserve(RESERVED);
     function.writer.lanes = Lanes::Elements;
@@ -102,7 +104,7 @@ pub(super) fn emit_node_kernel(program: &Program<ElementSpec>, arguments: &[Stri
     let phases: Vec<TokenStream> = (0..program.phases.len())
         .map(|k| function.phase(k, &arrays, |function, outputs| node_outputs(function, outputs, scratch)))
         .collect();
-    let (outputs, fields) = element_outputs(&mut function, arguments);
+    let (outputs, fields) = element_outputs(&mut function, &arguments);
     function.counts.element += function.writer.take_counts();
     let mut reads = reads_and_count(&mut function, &signature.inputs);
     if let Some(direction) = direction {
@@ -115,6 +117,7 @@ pub(super) fn emit_node_kernel(program: &Program<ElementSpec>, arguments: &[Stri
         tokens: TokenStream::new(),
         counts: function.counts.total(0),
         per_node: [function.counts.node + per_node, per_pair],
+        scratch: scratch.per_node(),
         iteration: function.counts.iteration,
         statements: function.statements + outputs.len() + reads.len() + 8,
     };
@@ -128,7 +131,7 @@ pub(super) fn emit_node_kernel(program: &Program<ElementSpec>, arguments: &[Stri
         }
         None => (None, Some(quote!(-> Values<E>)), Some(quote!(Values { #(#fields),* }))),
     };
-    let arguments = arguments.iter().map(|name| format_ident!("{name}"));
+    let arguments = arguments.iter().map(Derivative::ident);
     let (split, products) = (scratch.split(), scratch.products);
     let (element, of_node) = (signature.variables(), signature.node_variables());
     let multiply = (scratch.form > 0)
@@ -234,25 +237,22 @@ fn node_outputs(
 /// Derivatives by variables of the element, and the fields of the values.
 fn element_outputs(
     function: &mut FunctionWriter<'_, ElementSpec>,
-    arguments: &[String],
+    arguments: &[Derivative],
 ) -> (Vec<TokenStream>, Vec<TokenStream>) {
     let program = function.program;
     let signature = &program.kernel.spec.signature;
     let (element, of_node) = (signature.variables(), signature.node_variables());
-    let is_argument = |value: &&Value| arguments.iter().any(|name| *name == value.name);
+    let argument = |value: &Value| arguments.iter().find(|argument| argument.name == value.name);
     let (derivatives, values): (Vec<&Value>, Vec<&Value>) =
-        program.kernel.values.iter().partition(is_argument);
+        program.kernel.values.iter().partition(|value| argument(value).is_some());
     let mut outputs = Vec::new();
-    for value in derivatives {
-        let name = format_ident!("{}", value.name);
+    for (value, argument) in derivatives.into_iter().filter_map(|value| Some((value, argument(value)?))) {
+        let name = argument.ident();
         for (k, &x) in value.components.iter().enumerate() {
             let x = function.writer.used(x);
-            let is_jacobian = value.name.ends_with("_jacobian") && k >= element;
-            let place = if is_jacobian {
-                let (row, column) = (k / element, k % element);
-                quote!(#row * (#element + #of_node * count) + #column)
-            } else {
-                quote!(#k)
+            let place = match argument.later_row(k, element) {
+                Some([row, column]) => quote!(#row * (#element + #of_node * count) + #column),
+                None => quote!(#k),
             };
             outputs.push(quote!(#name[#place] = #x;));
         }

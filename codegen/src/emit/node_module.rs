@@ -5,22 +5,17 @@ use quote::quote;
 
 use super::derivatives::Derivative;
 use super::module::{best_isa, call_by_mode, gathered, hessian_at, input_fields, stored, value_types};
-use super::node_element::Scratch;
-use crate::kernel::{ElementKernels, Mode, Signature};
-use crate::lower::lower;
-use crate::schedule::Program;
+use crate::kernel::{Mode, Signature};
 
-/// The structs, and what is known of sizes.
-pub(super) fn types(element: &ElementKernels, last: Mode) -> TokenStream {
-    let signature = &element.signature;
-    let pieces = [sizes(element), inputs(signature), value_types(signature), results(signature, last)];
+/// The structs, and what is known of sizes; `scratch` by mode.
+pub(super) fn types(signature: &Signature, last: Mode, scratch: &[usize]) -> TokenStream {
+    let pieces =
+        [sizes(signature, scratch), inputs(signature), value_types(signature), results(signature, last)];
     quote!(#(#pieces)*)
 }
 
-fn sizes(element: &ElementKernels) -> TokenStream {
-    let (of_element, of_node) = (element.signature.variables(), element.signature.node_variables());
-    let scratch: Vec<usize> =
-        element.kernels.iter().map(|kernel| Scratch::new(&Program::new(lower(kernel))).per_node()).collect();
+fn sizes(signature: &Signature, scratch: &[usize]) -> TokenStream {
+    let (of_element, of_node) = (signature.variables(), signature.node_variables());
     let modes = scratch.len();
     quote! {
         /// Number of variables of the element itself. Those of the nodes follow, node by node.

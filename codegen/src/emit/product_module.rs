@@ -5,10 +5,7 @@ use quote::quote;
 
 use super::derivatives::Derivative;
 use super::module::{field, stored_products};
-use super::node_element::Scratch;
-use crate::kernel::{ElementSpec, Kernel, Signature};
-use crate::lower::lower;
-use crate::schedule::Program;
+use crate::kernel::Signature;
 
 /// Of an element of fixed size.
 pub(super) fn of_fixed_size(signature: &Signature) -> TokenStream {
@@ -94,10 +91,8 @@ pub(super) fn of_fixed_size(signature: &Signature) -> TokenStream {
     }
 }
 
-/// Of an element with nodes of a number that is open.
-pub(super) fn with_nodes(product: &Kernel<ElementSpec>) -> TokenStream {
-    let signature = &product.spec.signature;
-    let scratch = Scratch::new(&Program::new(lower(product))).per_node();
+/// Of an element with nodes of a number that is open, whose kernel needs so many numbers of scratch for each.
+pub(super) fn with_nodes(signature: &Signature, scratch: usize) -> TokenStream {
     let all = Derivative::products(signature);
     let names: Vec<Ident> = all.iter().map(Derivative::ident).collect();
     let docs = all.iter().map(|product| format!(" {}.", product.meaning(signature)));

@@ -6,7 +6,7 @@
 use rustc_hash::FxHashMap;
 use std::fmt::Write as _;
 
-use super::super::derivatives::DIRECTION;
+use super::super::derivatives::{DIRECTION, Derivative};
 use super::super::element_kernel::function_name;
 use super::super::node_element::Scratch;
 use super::nodes::{
@@ -86,7 +86,8 @@ fn body(program: &Program<ElementSpec>) -> String {
     let sizes = (signature.variables(), signature.node_variables());
     let input = |_: &str, _: &str, number: usize| Width::Lanes.entry("inputs", &number.to_string());
     let value = |_: &str, _: &str, number: usize| Width::Lanes.entry("values", &number.to_string());
-    let derivative = |name: &str, k: usize| derivative_place(Width::Lanes, name, k, sizes);
+    let derivatives = Derivative::of(&program.kernel.spec);
+    let derivative = |name: &str, k: usize| derivative_place(Width::Lanes, &derivatives, (name, k), program);
     let direction = |k: usize| Width::Lanes.entry(DIRECTION, &k.to_string());
     let access = Access { input: &input, direction: &direction, value: &value, derivative: &derivative };
     let mut lanes = LanesWriter::new(writer(program, &access));

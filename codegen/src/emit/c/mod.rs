@@ -14,12 +14,11 @@ mod writer;
 use std::fmt::Write as _;
 
 use super::derivatives::{DIRECTION, arguments, arguments_of};
+use super::element::{scheduled, write_element_kernel};
 use super::element_kernel::{function_name, title};
 use super::fixed::split;
-use super::tabulated::tabulated;
 use crate::graph::Iteration;
 use crate::kernel::{ElementKernels, ElementSpec, Input, Kernel, Mode, Points, Returned};
-use crate::lower::lower;
 use crate::schedule::{Program, Statement};
 use writer::{Access, Writer};
 
@@ -204,12 +203,12 @@ fn types(element: &ElementKernels) -> String {
 
 /// Both functions of a kernel.
 fn kernel_text(kernel: &Kernel<ElementSpec>) -> String {
-    let program = Program::new(tabulated(lower(kernel)));
+    let program = scheduled(kernel);
     let spec = &program.kernel.spec;
     let (signature, vector) = (&spec.signature, spec.direction.as_ref());
     let (name, mode_name) = (&signature.name, function_name(spec));
     let derivatives = arguments_of(spec);
-    let operations = super::emit_element_kernel(kernel).counts.total();
+    let operations = write_element_kernel(&program).counts.total();
 
     let mut text = format!("\n/* One element: {mode_name}. Operations: {operations}. */\n");
     let parameters = derivatives.iter().map(|(name, length)| format!(", double {name}[{length}]"));

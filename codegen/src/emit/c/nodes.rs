@@ -3,13 +3,13 @@
 use std::fmt::Write as _;
 
 use super::super::derivatives::{DIRECTION, Derivative};
+use super::super::element::{scheduled, write_element_kernel};
 use super::super::element_kernel::{function_name, title};
 use super::super::node_element::Scratch;
 use super::writer::{Access, Writer};
 use super::{comment, field, inputs_of, lanes, places, structure, values_of};
 use crate::graph::{ExprId, NODE_COUNT, NODE_INDEX, Op};
-use crate::kernel::{DirectionSymbols, ElementKernels, ElementSpec, Kernel, NodeResult};
-use crate::lower::lower;
+use crate::kernel::{DirectionSymbols, ElementKernels, ElementSpec, NodeResult};
 use crate::schedule::{NodeLoop, NodeTarget, Program};
 
 /// Names of the surrounding code.
@@ -67,19 +67,12 @@ pub(super) fn element(element: &ElementKernels) -> String {
     let mut sizes =
         vec![format!("{upper}_VARIABLES = {of_element}"), format!("{upper}_NODE_VARIABLES = {of_node}")];
     let programs: Vec<Program<ElementSpec>> =
-        kernels(element).map(|kernel| Program::new(lower(kernel))).collect();
+        element.kernels.iter().chain(&element.product).map(scheduled).collect();
     sizes.extend(programs.iter().map(|program| {
         format!("{} = {}", scratch_of(&program.kernel.spec), Scratch::new(program).per_node())
     }));
     let _ = writeln!(text, "enum {{ {} }};", sizes.join(", "));
-    for (program, kernel) in programs.iter().zip(kernels(element)) {
-        text += &kernel_text(program, kernel);
-    }
-    text
-}
-
-fn kernels(element: &ElementKernels) -> impl Iterator<Item = &Kernel<ElementSpec>> {
-    element.kernels.iter().chain(&element.product)
+    text + &programs.iter().map(kernel_text).collect::<String>()
 }
 
 /// Name of the scratch's size.
@@ -88,12 +81,12 @@ fn scratch_of(spec: &ElementSpec) -> String {
 }
 
 /// All functions of a kernel.
-fn kernel_text(program: &Program<ElementSpec>, kernel: &Kernel<ElementSpec>) -> String {
+fn kernel_text(program: &Program<ElementSpec>) -> String {
     let spec = &program.kernel.spec;
     let (name, mode_name) = (&spec.signature.name, function_name(spec));
     let derivatives = Derivative::names(spec);
     let parameters: String = derivatives.iter().map(|name| format!(", double *{name}")).collect();
-    let emitted = super::super::emit_element_kernel(kernel);
+    let emitted = write_element_kernel(program);
     let [per_node, per_pair] = emitted.per_node.map(|counts| counts.total());
     let scratch = scratch_of(spec);
     let second = match spec.direction {
@@ -122,7 +115,8 @@ fn body(program: &Program<ElementSpec>) -> String {
     let input = |name: &str, place: &str, _: usize| format!("inputs->{}{place}", field(name));
     let value = |name: &str, place: &str, _: usize| format!("values->{}{place}", field(name));
     let (of_element, of_node) = (signature.variables(), signature.node_variables());
-    let derivative = |name: &str, k: usize| derivative_place(Width::One, name, k, (of_element, of_node));
+    let derivatives = Derivative::of(&program.kernel.spec);
+    let derivative = |name: &str, k: usize| derivative_place(Width::One, &derivatives, (name, k), program);
     let direction = |k: usize| Width::One.entry(DIRECTION, &k.to_string());
     let access = Access { input: &input, direction: &direction, value: &value, derivative: &derivative };
     let mut writer = writer(program, &access);
@@ -159,15 +153,19 @@ pub(super) fn writer<'a>(program: &'a Program<ElementSpec>, access: &'a Access<'
 /// Where an entry of a derivative by variables of the element stands.
 pub(super) fn derivative_place(
     width: Width,
-    name: &str,
-    k: usize,
-    (of_element, of_node): (usize, usize),
+    derivatives: &[Derivative],
+    (name, k): (&str, usize),
+    program: &Program<ElementSpec>,
 ) -> String {
-    if name.ends_with("_jacobian") && k >= of_element {
-        let (row, column) = (k / of_element, k % of_element);
-        return width.entry(name, &format!("{row} * ({of_element} + {of_node} * count) + {column}"));
+    let signature = &program.kernel.spec.signature;
+    let (of_element, of_node) = (signature.variables(), signature.node_variables());
+    let derivative = derivatives.iter().find(|derivative| derivative.name == name);
+    match derivative.and_then(|derivative| derivative.later_row(k, of_element)) {
+        Some([row, column]) => {
+            width.entry(name, &format!("{row} * ({of_element} + {of_node} * count) + {column}"))
+        }
+        None => width.entry(name, &k.to_string()),
     }
-    width.entry(name, &k.to_string())
 }
 
 /// The number of nodes, where it is used.

@@ -25,7 +25,7 @@
 //!
 //! # The pipeline
 //!
-//! One module per stage:
+//! One module per stage; what must stay true of each is in `ARCHITECTURE.md`:
 //!
 //! ```text
 //! formula    text of a weight                    "(1 - r)^2 * (1 + 2*r)"
@@ -39,46 +39,23 @@
 //! emit       program to source                   functions, documentation, operation counts; C
 //! contact    our kernels as clients of emit      names, types of support, one syn::File
 //! config     syn::File to a file                 the build API, the only place with input and output
-//! interpret  the graph in f64                    second witness of every kernel
+//! interpret  the graph in numbers                second witness of every kernel, of own elements also the third
 //! ```
 //!
 //! # How it works
 //!
+//! `docs/equations.md` derives what the contact element needs: the rule for second derivatives (5), the two choices that keep it cheap (6, 7),
+//! the slave's rows (8), weights at r = 0, at r = 1 and at their poles (9), the co-moving frame (13), and the facets (16).
+//!
 //! **Types.** `ExprId`, `SymbolId`, `SystemId`, `SolveId` and `RootId` index arenas of one `Graph`. An expression has a `Scope`: `Element`
-//! (one value), `Node` (one per master node) or `Pair` (one per pair of nodes). `Op::Sum` leads from `Node` to `Element`; `Op::Row` and
-//! `Op::Column` lift a node value into a pair.
+//! (one value) or `Node` (one per master node). `Op::Sum` leads from `Node` to `Element`.
 //!
 //! **Symbols** are inputs, or *bound* to an expression. A bound symbol (a, b, z, α, λ, the foot) has its definition's value, but is a
 //! variable of its own for differentiation. So the structured rules, not the generic chain rule, differentiate through definitions: they
-//! know which blocks are zero, symmetric or of low rank.
+//! know which blocks are zero, symmetric or of low rank. Zeros follow from simplification; nothing is special-cased.
 //!
 //! **Structured nodes.** `Op::Sum`, `Op::Solution` (symmetric system, L S Lᵀ with signs S known beforehand) and `Op::RootValue` (small
-//! system solved by iteration) have rules of their own in `graph/derivative.rs`. The last two use the implicit function theorem. Second
-//! derivatives of quantities defined through a sum over nodes follow one rule, in `structure/fit_derivatives.rs`:
-//!
-//! ```text
-//! d²G/dxᵢdxⱼ = δᵢⱼ Dᵢ + Ĉᵢᵀ B̂ⱼ + B̂ᵢᵀ Ĉⱼ        B̂ = L⁻¹B,  Ĉ = L⁻¹C + H B̂,  H + Hᵀ = L⁻¹ K L⁻ᵀ
-//! ```
-//!
-//! It gets B, C, D and K from the derivative engine, finds common scalar factors (`structure/factors.rs`) and applies the rotation to global
-//! axes to the factors. The slave's rows follow from translation invariance, which it checks. A Hessian costs one rank-12 update per pair of
-//! nodes, 12 fused multiply-adds an entry (18 with a co-moving frame).
-//!
-//! **Two choices of the model make K small.** The gap is the stationary value of Ψ(δ, q) = ν(q)·(x^c − x^d). It stays smooth at g = 0, and
-//! its first derivative by α is a partial derivative. After the foot is found the basis is recentred there (p(a − o) = T p(a), A → T A Tᵀ).
-//! Then L⁻¹ K L⁻ᵀ has one 3 × 3 block that is not zero. Both zeros follow from simplification; nothing is special-cased.
-//!
-//! **Outer unknowns.** The unknowns of a fit may depend on others, defined by a sum over nodes of their own. The co-moving frame is that:
-//! the average plane's turn θ and height c. The fit is written in variables that move with the nodes and with θ
-//! (`structure/coordinates.rs`). Coefficients and adjoint follow θ (`structure/outer_block.rs`), so the fit's factors stay those of a held
-//! frame. No formula of second derivatives by θ is written anywhere.
-//!
-//! **An infinite weight** is an unknown too. With an interpolating weight the node nearest to the slave, the pole, enters with its
-//! weighted error σ as a multiplier, e = σ/w, smooth where 1/w = 0. The system is then indefinite with known signs, and the same rule holds.
-//!
-//! **Facets.** The distance from a facet itself (`model/facet.rs`) is an element like those of callers. Foot and normal are unknowns of known
-//! values, in which it is stationary (`structure/known.rs`). It depends on a few vectors that are linear in slave and corners
-//! (`structure/linear_images.rs`).
+//! system solved by iteration) have rules of their own in `graph/derivative.rs`. The last two use the implicit function theorem.
 //!
 //! **Elements of the caller's** (`kernel/element.rs`) have a signature: typed inputs, which are variables or parameters, and values, of which
 //! it says how often they are differentiated. An energy depends on its variables through few quantities, such as a deformation gradient F
@@ -93,14 +70,9 @@
 //! are linear in sums. `structure/node_sums.rs` eliminates one after the other and leaves a Hessian of low rank. `emit/node_loop.rs` writes
 //! the loops, those of the contact kernels too. `contact/elements.rs` gives the contact kernels the signature that C is written from.
 //!
-//! **r = 0 and r = 1.** Weights are polynomials P of the norm r = √(a² + b²), with the rule P(r) → (P'(r)/r)(a a' + b b'), where P'/r is a
-//! polynomial again. No derivative divides by r, and none loses digits near a node. Zeros at r = 1 are factored out before evaluation. A
-//! formula that is no polynomial is replaced by its Taylor polynomial close to r = 0. A weight with w'(0) ≠ 0 is refused: it has a kink.
-//!
 //! **Program.** A level is a straight-line segment and a loop over the nodes; a value's level is the number of such loops that must run
 //! before. Values of nodes that later loops need are kept in an array per node. A Hessian leaves the program as the rows of its low-rank
-//! form and the nodes' own blocks; `support/form.rs` of the kernels multiplies them. The expressions for pairs of nodes are there for the
-//! interpreter.
+//! form and the nodes' own blocks; `support/form.rs` of the kernels multiplies them.
 #![forbid(unsafe_code)]
 
 pub mod config;

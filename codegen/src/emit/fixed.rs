@@ -12,17 +12,17 @@ use crate::kernel::{ElementSpec, Input, Points, Signature, Value};
 use crate::schedule::{Program, Statement};
 
 /// An argument that a derivative is written to, and its number of entries.
-pub(crate) type Argument = (String, usize);
+pub(super) type Argument = (String, usize);
 
 /// What surrounds a function's body.
-pub(crate) struct Head<'a> {
+pub(super) struct Head<'a> {
     spec: &'a ElementSpec,
     /// Values that are no fields of the struct that is returned.
     arguments: Vec<Argument>,
 }
 
 /// A function's pieces.
-pub(crate) struct Fixed {
+pub(super) struct Fixed {
     body: TokenStream,
     /// Operations, with one evaluation of the equations of roots.
     pub counts: OpCounts,

@@ -1,4 +1,4 @@
-//! What a kernel of fixed size reads and what it returns.
+//! What a kernel reads and what it returns.
 
 use crate::expr::{Expr, Matrix, Vector, entry_name};
 
@@ -87,7 +87,7 @@ pub struct Points {
     pub rows: Vec<Vec<f64>>,
 }
 
-/// Typed inputs and outputs of a kernel of fixed size.
+/// Typed inputs and outputs of a kernel.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Signature {
     /// Name of the element, that of its module.

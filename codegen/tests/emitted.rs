@@ -10,7 +10,6 @@ use diffuse_contact_codegen::Config;
 #[path = "../../examples/own_element/elements/mod.rs"]
 #[allow(dead_code, non_snake_case, clippy::many_single_char_names, clippy::similar_names)]
 mod elements;
-use elements::{arm, cloud, cohesive, contact, joint, neo_hooke, surface, tanks};
 #[path = "../../generated/elements.rs"]
 mod laws;
 
@@ -52,20 +51,7 @@ fn alone() -> Config {
 
 /// Elements of the caller's: of fixed size, with points, with roots, and with nodes.
 fn own() -> Config {
-    Config::new()
-        .element("tet4_neo_hooke", neo_hooke::tet4)
-        .and_then(|config| config.element("tet10_neo_hooke", neo_hooke::tet10))
-        .and_then(|config| config.element("hex8_neo_hooke", neo_hooke::hex8))
-        .and_then(|config| config.element("hex20_neo_hooke", neo_hooke::hex20))
-        .and_then(|config| config.element("cohesive", cohesive::exponential))
-        .and_then(|config| config.element("bezier_contact", contact::bezier))
-        .and_then(|config| config.element("fitted_contact", surface::moving_least_squares))
-        .and_then(|config| config.element("average", surface::average))
-        .and_then(|config| config.element("co_rotated", cloud::co_rotated))
-        .and_then(|config| config.element("seven_axes", arm::seven_axes))
-        .and_then(|config| config.element("chain", joint::chain))
-        .and_then(|config| config.element("four_tanks", tanks::four_tanks))
-        .unwrap()
+    elements::all(Config::new()).unwrap()
 }
 
 /// FNV-1a, which is the same everywhere.

@@ -6,7 +6,6 @@
 use diffuse_contact_codegen::{Config, ConfigError};
 
 mod elements;
-use elements::{arm, cloud, cohesive, contact, joint, neo_hooke, surface, tanks};
 
 /// Positions of a tetrahedron's nodes, at rest and after.
 const AT_REST: [f64; 12] = [0.0, 0.0, 0.0, 1.0, 0.1, 0.0, 0.2, 1.1, 0.0, 0.1, 0.0, 0.9];
@@ -47,19 +46,7 @@ const OUTLETS: [f64; 4] = [7.1e-6, 5.7e-6, 7.1e-6, 5.7e-6];
 const ANGLES: [f64; 7] = [0.3, -0.7, 1.1, 0.9, -0.4, 0.6, 0.2];
 
 fn main() -> Result<(), ConfigError> {
-    Config::new()
-        .element("tet4_neo_hooke", neo_hooke::tet4)?
-        .element("tet10_neo_hooke", neo_hooke::tet10)?
-        .element("hex8_neo_hooke", neo_hooke::hex8)?
-        .element("hex20_neo_hooke", neo_hooke::hex20)?
-        .element("cohesive", cohesive::exponential)?
-        .element("bezier_contact", contact::bezier)?
-        .element("fitted_contact", surface::moving_least_squares)?
-        .element("average", surface::average)?
-        .element("co_rotated", cloud::co_rotated)?
-        .element("seven_axes", arm::seven_axes)?
-        .element("chain", joint::chain)?
-        .element("four_tanks", tanks::four_tanks)?
+    elements::all(Config::new())?
         .test("tet4_neo_hooke", &[&STRETCHED, &AT_REST, &[1.2], &[0.8]], &[])
         .test("cohesive", &[&[0.4, -0.2, 0.1], &[3.0], &[0.7], &[0.2]], &[])
         .test("bezier_contact", &[&[0.1, -0.2, 0.1], &PATCH, &[7.0]], &[])

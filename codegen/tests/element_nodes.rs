@@ -11,19 +11,7 @@ use diffuse_contact_codegen::{
 };
 use num_dual::{DualNum as _, HyperDual};
 
-use crate::witnesses::{Number, by_hyper_dual, difference, numbers, sum};
-
-/// Results by name.
-fn interpreted(
-    element: &ElementKernels,
-    mode: Mode,
-    inputs: &[&[f64]],
-    nodes: &[&[f64]],
-) -> impl Fn(&str) -> Vec<f64> + use<> {
-    let kernel = element.kernels.iter().find(|kernel| kernel.spec.mode == mode).unwrap();
-    let all = element_results(kernel, inputs, nodes);
-    move |name| all.iter().find(|(other, _)| other == name).unwrap().1.clone()
-}
+use crate::witnesses::{Number, by_hyper_dual, difference, interpreted, numbers, sum};
 
 /// Energy, gradient and Hessian of all modes against a function of all variables, the element's first.
 fn check(

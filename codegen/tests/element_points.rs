@@ -3,9 +3,11 @@
 
 use diffuse_contact_codegen::emit::emit_element_kernel;
 use diffuse_contact_codegen::expr::{Expr, Mat3, Vec3, Vector, total};
-use diffuse_contact_codegen::interpret::{Interpreter, NodeInputs, element_derivatives};
-use diffuse_contact_codegen::{Config, ConfigError, ElementError, ElementKernels, ElementModel, Mode};
+use diffuse_contact_codegen::interpret::{element_derivatives, element_results};
+use diffuse_contact_codegen::{Config, ConfigError, ElementError, ElementKernels, ElementModel};
 use num_dual::{DualNum, HyperDual};
+
+use crate::witnesses::random;
 
 /// Corners of the cube in natural coordinates.
 const CORNERS: [[f64; 3]; 8] = [
@@ -67,36 +69,16 @@ fn energy<D: DualNum<Primitive = f64> + Copy>(x: &[D], X: &[f64], [lambda, mu]: 
     sum(&mut points().into_iter().map(of_point))
 }
 
-/// Values of a kernel with derivatives after the others, summed over its points by the interpreter.
-fn interpreted(element: &ElementKernels, mode: Mode, inputs: &[f64]) -> Vec<f64> {
-    let kernel = element.kernels.iter().find(|kernel| kernel.spec.mode == mode).unwrap();
-    let points = &element.signature.points;
-    let components: Vec<_> = kernel.values.iter().flat_map(|value| value.components.clone()).collect();
-    let mut sums = vec![0.0; components.len()];
-    for row in &points.rows {
-        let mut numbers = NodeInputs::new(0);
-        let symbols = element.signature.inputs.iter().flat_map(|input| &input.symbols);
-        symbols.zip(inputs).for_each(|(name, &value)| numbers.set_element(name, value));
-        points.symbols.iter().zip(row).for_each(|(name, &value)| numbers.set_element(name, value));
-        let mut interpreter = Interpreter::new(&kernel.graph, &numbers);
-        sums.iter_mut().zip(&components).for_each(|(sum, &x)| *sum += interpreter.element(x));
-    }
-    sums
-}
-
 #[test]
 fn a_hexahedron_has_the_derivatives_of_automatic_differentiation() {
     let element = ElementKernels::new("hex8", hex8).unwrap();
-    let mut value = 0.37_f64;
-    let mut moved = |by: f64| -> Vec<f64> {
-        let random = std::iter::repeat_with(|| {
-            value = (value * 7.3 + 0.17).fract();
-            value - 0.5
-        });
-        CORNERS.as_flattened().iter().zip(random).map(|(x, random)| x + by * random).collect()
-    };
+    let mut seed = 0.37;
+    let mut moved =
+        |by: f64| -> Vec<f64> { CORNERS.as_flattened().iter().map(|x| x + by * random(&mut seed)).collect() };
     let (x, X, constants) = (moved(0.5), moved(0.3), [1.7, 0.9]);
-    let found = interpreted(&element, Mode::Hessian, &[&x[..], &X, &constants].concat());
+    let inputs: [&[f64]; 4] = [&x, &X, &constants[..1], &constants[1..]];
+    let found = element_results(element.kernels.last().unwrap(), &inputs, &[]);
+    let found: Vec<f64> = found.into_iter().flat_map(|(_, x)| x).collect();
     let at = |i: usize, j: usize| {
         let is = |k: usize, other: usize| f64::from(u8::from(k == other));
         let seeded = |(k, &x): (usize, &f64)| HyperDual::new(x, is(k, i), is(k, j), 0.0);
@@ -114,7 +96,6 @@ fn a_hexahedron_has_the_derivatives_of_automatic_differentiation() {
             place += 1;
         }
     }
-    let inputs: [&[f64]; 4] = [&x, &X, &constants[..1], &constants[1..]];
     let expanded: Vec<f64> =
         element_derivatives(&element, &inputs, &[]).into_iter().flat_map(|(_, x)| x).collect();
     assert_eq!(expanded.len(), 24 + 300);

@@ -1,8 +1,9 @@
 //! What elements are compared with.
 #![allow(non_snake_case)]
 
-use diffuse_contact_codegen::ElementModel;
 use diffuse_contact_codegen::expr::{Mat3, Vec3};
+use diffuse_contact_codegen::interpret::element_results;
+use diffuse_contact_codegen::{ElementKernels, ElementModel, Mode};
 use num_dual::{DualNum, HyperDual};
 
 /// Numbers of the energies that automatic differentiation evaluates.
@@ -29,15 +30,27 @@ pub fn by_hyper_dual(x: &[f64], f: impl Fn(&[HyperDual<f64>]) -> HyperDual<f64>)
     )
 }
 
-/// Numbers in (−0.5, 0.5) that look random.
-pub fn numbers(count: usize, seed: f64) -> Vec<f64> {
-    let mut value = seed;
-    (0..count)
-        .map(|_| {
-            value = (value * 7.3 + 0.17).fract();
-            value - 0.5
-        })
-        .collect()
+/// A number in (−0.5, 0.5) that looks random.
+pub fn random(seed: &mut f64) -> f64 {
+    *seed = (*seed * 7.3 + 0.17).fract();
+    *seed - 0.5
+}
+
+/// As many of these.
+pub fn numbers(count: usize, mut seed: f64) -> Vec<f64> {
+    (0..count).map(|_| random(&mut seed)).collect()
+}
+
+/// Results of a kernel by the interpreter, by name.
+pub fn interpreted(
+    element: &ElementKernels,
+    mode: Mode,
+    inputs: &[&[f64]],
+    nodes: &[&[f64]],
+) -> impl Fn(&str) -> Vec<f64> + use<> {
+    let kernel = element.kernels.iter().find(|kernel| kernel.spec.mode == mode).unwrap();
+    let all = element_results(kernel, inputs, nodes);
+    move |name| all.iter().find(|(other, _)| other == name).unwrap().1.clone()
 }
 
 /// Largest difference over the largest entry; a NaN is larger than anything.

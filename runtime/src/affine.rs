@@ -42,7 +42,8 @@ impl AffinePoint {
     pub const SMALLEST_WEIGHT: f64 = 1e-12;
     /// How far from 1 the weights may add up.
     const TOLERANCE: f64 = 1e-9;
-    /// What rounding leaves of 1 in a sum of weights: it stays, so that a point that was written and read again is the same.
+    /// What rounding leaves of 1 in a sum of weights, by the sum of their sizes: it stays, so that a point that was written and read again is
+    /// the same.
     const ROUNDING: f64 = 1e-14;
 
     /// The combination of nodes, or of carriers, with these weights; weights of the same one are added.
@@ -63,7 +64,8 @@ impl AffinePoint {
         let mut terms: Vec<(Carrier, f64)> = weights.into_iter().collect();
         terms.retain(|(_, weight)| weight.abs() >= Self::SMALLEST_WEIGHT);
         let rest = 1.0 - terms.iter().map(|(_, weight)| weight).sum::<f64>();
-        if rest.abs() <= Self::ROUNDING {
+        let size: f64 = terms.iter().map(|(_, weight)| weight.abs()).sum();
+        if rest.abs() < Self::ROUNDING * size {
             return Self { terms };
         }
         let largest = terms.iter_mut().max_by(|x, y| x.1.abs().total_cmp(&y.1.abs()));
@@ -145,6 +147,19 @@ mod tests {
         let sum: f64 = (0..40).map(weight).sum();
         let point = AffinePoint::new((0..40).map(|k| (k, weight(k) / sum * (1.0 + 1e-11)))).unwrap();
         assert_eq!(AffinePoint::new(point.terms().iter().copied()), Ok(point));
+    }
+
+    #[test]
+    fn weights_that_cancel_are_the_same_when_they_are_read_again() {
+        for size in [1.0, 1e3, 1e5] {
+            for case in 0..100 {
+                let weight = |k: u32| size * (f64::from(k + 17 * case) * 0.7).sin();
+                let rest = 1.0 - (1..25).map(weight).sum::<f64>();
+                let weights = (1..25).map(|k| (k, weight(k))).chain([(0, rest)]);
+                let Ok(point) = AffinePoint::new(weights) else { panic!("{size} {case}") };
+                assert_eq!(AffinePoint::new(point.terms().iter().copied()), Ok(point), "{size} {case}");
+            }
+        }
     }
 
     #[test]

@@ -1,7 +1,7 @@
 //! Nodal domains of influence: the gap is one smooth function of all positions, whatever is listed, at borders and symmetry
 //! planes, too.
 
-use std::f64::consts::FRAC_PI_6;
+use std::f64::consts::{FRAC_1_SQRT_2, FRAC_PI_6};
 
 use diffuse_contact::interface::{
     ContactElement, ContactInterface, InterfaceError, InterfaceOptions, Outcome, PairedElement,
@@ -433,6 +433,52 @@ fn slaves_behind_a_plane_are_refused() {
         ContactInterface::new(master, vec![36], &[], &beyond, InterfaceOptions::default()).unwrap();
     let error = interface.set_symmetry(&[far]).unwrap_err();
     assert_eq!(error, InterfaceError::SlaveBehindSymmetry { node: 36, plane: 0, distance: 0.5 });
+}
+
+#[test]
+fn normals_of_nine_digits_are_unit_vectors() {
+    let turned = |[x, y, z]: Point| [FRAC_1_SQRT_2 * (x - y), FRAC_1_SQRT_2 * (x + y), z];
+    let mesh = grid(6, 6, |x, y| turned([x, y, wave(x, y)]));
+    let slaves = [(0.3, 2.2), (2.6, 3.1)].map(|(x, y)| turned([x, y, wave(x, y) + 0.1]));
+    let of = |digits: f64| {
+        let plane = SymmetryPlane { point: [0.0; 3], normal: [digits, digits, 0.0] };
+        gaps(&mut interface(&mesh, &slaves, options(Weight::Cubic), &[plane]))
+    };
+    let nine_digits = (FRAC_1_SQRT_2 * 1e9).round() * 1e-9;
+    for (few, all) in of(nine_digits).into_iter().zip(of(FRAC_1_SQRT_2)) {
+        assert!((few - all).abs() < 1e-14, "{few} {all}");
+    }
+}
+
+/// How far nodes and slaves may be off a plane is by the cells there: images would lie among them. Far away cells are a hundred times as long.
+#[test]
+fn planes_off_by_a_fine_cell_are_refused_on_graded_surfaces() {
+    let graded = |x: f64| if x <= 4.0 { x } else { 4.0 + 100.0 * (x - 4.0) };
+    let (nodes, facets) = grid(6, 6, |x, y| [graded(x), y, 0.0]);
+    let with = |plane: SymmetryPlane, slave: Point| {
+        let positions = [&nodes[..], &[slave]].concat();
+        let master = MasterSurface::new(&positions, facets.clone()).unwrap();
+        ContactInterface::new(master, vec![nodes.len()], &[], &positions, InterfaceOptions::default())
+            .and_then(|mut interface| interface.set_symmetry(&[plane]))
+    };
+    let at = |x: f64| SymmetryPlane::across(0, [x, 0.0, 0.0]);
+    let slave = [50.0, 3.0, 0.1];
+    for (x, is_accepted) in [(0.0, true), (0.009, true), (0.011, false), (0.5, false), (0.99, false)] {
+        match with(at(x), slave) {
+            Err(InterfaceError::Surface(SurfaceError::CutBySymmetry { plane: 0, low, high })) => {
+                assert!(!is_accepted && low == -x && high == 204.0 - x, "{x} {low} {high}");
+            }
+            found => assert!(is_accepted && found == Ok(()), "{x} {found:?}"),
+        }
+    }
+    for (x, is_accepted) in [(0.0, true), (-0.009, true), (-0.011, false), (-0.5, false)] {
+        let expected = InterfaceError::SlaveBehindSymmetry { node: nodes.len(), plane: 0, distance: -x };
+        assert_eq!(with(at(0.0), [x, 3.0, 0.1]), if is_accepted { Ok(()) } else { Err(expected) }, "{x}");
+    }
+    // At the end of the coarse cells as much as is little there is none.
+    let far = |slave: Point| with(at(204.5), slave);
+    assert_eq!((far(slave), far([204.9, 3.0, 0.1])), (Ok(()), Ok(())));
+    assert!(matches!(far([206.0, 3.0, 0.1]), Err(InterfaceError::SlaveBehindSymmetry { .. })));
 }
 
 #[test]

@@ -33,7 +33,7 @@ impl Nodal {
             return Ok(None);
         }
         let extents = Extents::of(index);
-        Symmetry::check_model(planes, index.positions(), extents.facet)?;
+        check_model(index, planes)?;
         let symmetry = Symmetry::of_surface(planes, &extents)?;
         let creases = Creases::new(index, options.feature_angle_degrees.to_radians(), &symmetry);
         let domains = NodalDomains::new(index, &creases, &symmetry, weight, search.basis);
@@ -55,6 +55,17 @@ pub fn planes_of(index: &SurfaceIndex<'_>, planes: &[SymmetryPlane]) -> Result<S
     Ok(Symmetry::of_planes(planes, Extents::of(index).facet)?)
 }
 
+/// Refuses what cannot be planes of symmetry of a surface.
+///
+/// # Errors
+/// [`InterfaceError::Surface`].
+pub fn check_model(index: &SurfaceIndex<'_>, planes: &[SymmetryPlane]) -> Result<(), InterfaceError> {
+    if !planes.is_empty() {
+        Symmetry::check_model(planes, index.positions(), &Extents::at_nodes(index))?;
+    }
+    Ok(())
+}
+
 /// Refuses what cannot be planes of symmetry of a surface, or has slaves behind it.
 ///
 /// # Errors
@@ -68,10 +79,10 @@ pub fn check_planes(
     if planes.is_empty() {
         return Ok(());
     }
-    let facet = Extents::of(index).facet;
-    Symmetry::check_model(planes, index.positions(), facet)?;
+    let (nodes, extents) = (index.positions(), Extents::at_nodes(index));
+    Symmetry::check_model(planes, nodes, &extents)?;
     let points = slaves.iter().map(|&node| positions[node]);
-    match Symmetry::farthest_behind(planes, index.positions(), facet, points) {
+    match Symmetry::farthest_behind(planes, nodes, &extents, points)? {
         None => Ok(()),
         Some((plane, place, distance)) => {
             Err(InterfaceError::SlaveBehindSymmetry { node: slaves[place], plane, distance })

@@ -1,5 +1,6 @@
 //! Domains of influence where nobody holds the whole surface.
 
+use super::nodal::check_model;
 use super::{InterfaceError, InterfaceOptions};
 use crate::surface::window::{
     Box3, Extents, LARGEST_NUMBER, Setup, Sheet, Window, WindowError, check_boxes, widened,
@@ -266,9 +267,9 @@ impl SurfacePart {
             ends.iter().any(|&place| complete[place as usize])
         };
         let surface = MasterSurface::part(positions.len(), corners.clone(), is_border)?;
-        Symmetry::check_model(planes, &positions, part.extents.facet)?;
-        let symmetry = Symmetry::of_surface(planes, &part.extents)?;
         let index = surface.at(&positions)?;
+        check_model(&index, planes)?;
+        let symmetry = Symmetry::of_surface(planes, &part.extents)?;
         let creases = Creases::new(&index, options.feature_angle_degrees.to_radians(), &symmetry);
         let sheet_nodes = SheetNodes::new(&index, &creases, &symmetry, Some(&complete));
         let is_settled = |(place, is_complete)| is_complete && sheet_nodes.is_settled(index.surface(), place);

@@ -59,10 +59,10 @@ pub enum SurfaceError {
     /// eight of the largest facets.
     #[error(
         "the symmetry planes have more than {images} images within {reach:e} of the surface: parallel ones may be no nearer to one another \
-         than a thirtieth of the largest facet"
+         than a thirtieth of the largest facet, and those at an angle may need normals of more digits"
     )]
     TooManyImages { images: usize, reach: f64 },
-    /// The surface lies on both sides of a symmetry plane.
+    /// The surface lies on both sides of a symmetry plane, by more than 1 % of the smallest facet at a node on either side.
     #[error(
         "the surface reaches from {low:e} to {high:e} across symmetry plane {plane}: it has to lie on one side of it"
     )]

@@ -27,6 +27,19 @@ impl Extents {
         Self { low, high, facet }
     }
 
+    /// The extent of the smallest facet at each node, in the order of the surface's nodes; infinite without one.
+    pub(crate) fn at_nodes(index: &SurfaceIndex<'_>) -> Vec<f64> {
+        let mut smallest = vec![f64::INFINITY; index.positions().len()];
+        for facet in 0..index.surface().facet_count() as u32 {
+            let extent = index.shape(facet).extent();
+            for &place in index.surface().corners_of(facet as usize) {
+                let smallest = &mut smallest[place as usize];
+                *smallest = smallest.min(extent);
+            }
+        }
+        smallest
+    }
+
     /// Those of two parts together.
     #[must_use]
     pub fn joined(self, other: Self) -> Self {

@@ -11,21 +11,24 @@ use crate::vector::{Vector3, squared_distance};
 const IMAGES_REACH: f64 = 8.0;
 /// Images that a set of planes may have within reach.
 const MOST_IMAGES: usize = 512;
-/// Two images are one if they differ by less than this, in rotation and, over the largest radius, in translation.
-const SAME_IMAGE: f64 = 1e-9;
-/// Nodes may lie as far behind a plane as this fraction of the largest facet.
+/// Nodes may lie as far behind a plane as this fraction of the smallest facet there.
 const BEHIND: f64 = 0.01;
 /// Planes may be as far as this off 180° over a whole number, radians.
 const ANGLE_TOLERANCE: f64 = 1e-6;
+/// Two images are one if their rotations differ by less than this, as those of planes within the tolerance do after so many reflections.
+/// Others differ by more: of so many images around a line neighbours are 0.7° apart.
+const SAME_ROTATION: f64 = MOST_IMAGES as f64 * ANGLE_TOLERANCE;
 /// A unit normal may be as long as this off 1.
 const UNIT_TOLERANCE: f64 = 1e-9;
+/// The square of a unit normal in double precision is as near to 1 as this.
+const UNIT_ROUNDING: f64 = 8.0 * f64::EPSILON;
 
 /// A plane in which everything is mirrored. The model lies on the side the normal points to.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SymmetryPlane {
     /// A point of the plane.
     pub point: Point,
-    /// Unit normal, towards the model.
+    /// Unit normal in nine digits or more, towards the model.
     pub normal: Point,
 }
 
@@ -43,6 +46,31 @@ impl SymmetryPlane {
         Vector3::from(self.normal).dot(&(Vector3::from(x) - Vector3::from(self.point)))
     }
 
+    /// Where nodes with facets of these extents lie.
+    fn heights(&self, nodes: &[Point], extents: &[f64]) -> Heights {
+        let mut all = Heights::NONE;
+        let mut nearest = (f64::INFINITY, f64::INFINITY);
+        for (&x, &extent) in nodes.iter().zip(extents) {
+            let height = self.distance(x);
+            (all.low, all.high) = (all.low.min(height), all.high.max(height));
+            let little = BEHIND * extent;
+            all.is_below |= height < -little;
+            all.is_above |= height > little;
+            if height.abs() <= little {
+                all.extent = all.extent.min(extent);
+            }
+            if height.abs() < nearest.0 {
+                nearest = (height.abs(), extent);
+            }
+        }
+        if all.extent.is_infinite() {
+            all.extent = nearest.1;
+        }
+        let is_behind = if all.is_below == all.is_above { all.low + all.high < 0.0 } else { all.is_below };
+        all.side = if is_behind { -1.0 } else { 1.0 };
+        all
+    }
+
     /// The least and the largest distance of the image of a box from `low` to `high`.
     fn interval(&self, image: &Image, [low, high]: [Point; 2]) -> (f64, f64) {
         let corner = |k: usize| [0, 1, 2].map(|axis| if k >> axis & 1 == 0 { low[axis] } else { high[axis] });
@@ -50,13 +78,54 @@ impl SymmetryPlane {
         distances.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| (low.min(x), high.max(x)))
     }
 
-    /// The reflection x → x − 2 (n·(x − p)) n.
+    /// With a unit normal in all digits. One that is a unit vector but for rounding stays as it is.
+    fn normalised(mut self) -> Self {
+        let normal = Vector3::from(self.normal);
+        if !((normal.norm_squared() - 1.0).abs() <= UNIT_ROUNDING) {
+            self.normal = normal.normalize().into();
+        }
+        self
+    }
+
+    /// The same plane seen from another origin.
+    fn seen_from(self, origin: Point) -> Self {
+        Self { point: (Vector3::from(self.point) - Vector3::from(origin)).into(), ..self }
+    }
+
+    /// The reflection x → x − 2 (n·(x − p)) n. The normal has to be a unit vector in all digits.
     fn reflection(&self) -> Image {
         let n = self.normal;
         let along = Vector3::from(n).dot(&Vector3::from(self.point));
         let entry = |i: usize, j: usize| f64::from(u8::from(i == j)) - 2.0 * n[i] * n[j];
         Image { rows: [0, 1, 2].map(|i| [0, 1, 2].map(|j| entry(i, j))), shift: n.map(|n| 2.0 * along * n) }
     }
+}
+
+/// Where the nodes of a surface lie, seen from a plane.
+struct Heights {
+    /// The least distance, positive on the side that the normal points to, and the largest one.
+    low: f64,
+    high: f64,
+    /// Whether any is farther behind than nodes in the plane may be, …
+    is_below: bool,
+    /// … or as far in front.
+    is_above: bool,
+    /// 1 for a surface on the side that the normal points to, −1 for one on the other side.
+    side: f64,
+    /// The smallest extent of a facet at the plane, or else at the nearest node, length.
+    extent: f64,
+}
+
+impl Heights {
+    /// Of no node.
+    const NONE: Self = Self {
+        low: f64::INFINITY,
+        high: f64::NEG_INFINITY,
+        is_below: false,
+        is_above: false,
+        side: 1.0,
+        extent: f64::INFINITY,
+    };
 }
 
 /// An isometry x → Q x + t that maps the model on one of its images.
@@ -83,11 +152,12 @@ impl Image {
         Self { rows: [0, 1, 2].map(|i| [0, 1, 2].map(|j| entry(i, j))), shift: self.of(other.shift) }
     }
 
-    fn is_near(&self, other: &Self, length: f64) -> bool {
+    /// Whether the two differ by no more than this, length, at the origin.
+    fn is_same(&self, other: &Self, tolerance: f64) -> bool {
         let rows = self.rows.as_flattened().iter().zip(other.rows.as_flattened());
         let shifts = self.shift.iter().zip(&other.shift);
-        rows.into_iter().all(|(x, y)| (x - y).abs() <= SAME_IMAGE)
-            && shifts.into_iter().all(|(x, y)| (x - y).abs() <= SAME_IMAGE * length)
+        rows.into_iter().all(|(x, y)| (x - y).abs() <= SAME_ROTATION)
+            && shifts.into_iter().all(|(x, y)| (x - y).abs() <= tolerance)
     }
 }
 
@@ -113,32 +183,36 @@ impl Symmetry {
     /// [`SurfaceError::InvalidSymmetry`] for a plane whose normal is no unit vector; [`SurfaceError::TooManyImages`] for planes that are too
     /// near to one another.
     pub fn new(planes: &[SymmetryPlane], reach: f64, [low, high]: [Point; 2]) -> Result<Self, SurfaceError> {
-        check(planes)?;
-        let interval = |plane: &SymmetryPlane, image: &Image| plane.interval(image, [low, high]);
+        let (planes, tolerance) = (checked(planes)?, ON_PLANE * reach);
+        // Which images are near, and which are one, is seen from the middle of the model. Far from the origin shifts lose their digits.
+        let middle = [0, 1, 2].map(|axis| 0.5 * low[axis] + 0.5 * high[axis]);
+        let around = [low, high].map(|x| [0, 1, 2].map(|axis| x[axis] - middle[axis]));
+        let seen: Vec<SymmetryPlane> = planes.iter().map(|plane| plane.seen_from(middle)).collect();
         // Seen along the normal of any plane, the image has to be near the model.
         let is_near = |image: &Image| {
-            planes.iter().all(|plane| {
-                let (model, image) = (interval(plane, &Image::IDENTITY), interval(plane, image));
+            seen.iter().all(|plane| {
+                let [model, image] = [&Image::IDENTITY, image].map(|image| plane.interval(image, around));
                 image.0 - model.1 <= reach && model.0 - image.1 <= reach
             })
         };
-        let reflections: Vec<Image> = planes.iter().map(SymmetryPlane::reflection).collect();
-        let mut all = vec![Image::IDENTITY];
+        let reflections: Vec<[Image; 2]> =
+            planes.iter().zip(&seen).map(|(plane, seen)| [plane.reflection(), seen.reflection()]).collect();
+        let mut all = vec![[Image::IDENTITY; 2]];
         let mut next = 0;
-        while let Some(&image) = all.get(next) {
+        while let Some(&[image, image_seen]) = all.get(next) {
             next += 1;
-            for reflection in &reflections {
-                let other = reflection.after(&image);
-                if is_near(&other) && !all.iter().any(|known| known.is_near(&other, reach)) {
-                    all.push(other);
+            for [reflection, reflection_seen] in &reflections {
+                let other = reflection_seen.after(&image_seen);
+                if is_near(&other) && !all.iter().any(|[_, known]| known.is_same(&other, tolerance)) {
+                    all.push([reflection.after(&image), other]);
                 }
             }
             if all.len() > MOST_IMAGES {
                 return Err(SurfaceError::TooManyImages { images: MOST_IMAGES, reach });
             }
         }
-        all.remove(0);
-        Ok(Self { planes: planes.to_vec(), images: all, reach, tolerance: ON_PLANE * reach })
+        let images = all[1..].iter().map(|[image, _]| *image).collect();
+        Ok(Self { planes, images, reach, tolerance })
     }
 
     /// The planes with the images near a whole surface.
@@ -152,25 +226,25 @@ impl Symmetry {
         Self::new(planes, IMAGES_REACH * extents.facet, [extents.low, extents.high])
     }
 
-    /// Refuses what cannot be planes of symmetry of a surface with these nodes, whose largest facet has the extent `facet`: normals that are no
-    /// unit vectors, nodes on both sides of a plane, and planes that do not meet at 180° over a whole number on the side of the nodes. Images
-    /// would lie among the nodes.
+    /// Refuses what cannot be planes of symmetry of a surface with these nodes: normals that are no unit vectors, nodes on both sides of a
+    /// plane, and planes that do not meet at 180° over a whole number on the side of the nodes. Images would lie among the nodes. `extents`:
+    /// of the smallest facet at each node.
     ///
     /// # Errors
     /// [`SurfaceError::InvalidSymmetry`], [`SurfaceError::CutBySymmetry`], [`SurfaceError::SymmetryAngle`].
-    pub fn check_model(planes: &[SymmetryPlane], nodes: &[Point], facet: f64) -> Result<(), SurfaceError> {
-        check(planes)?;
+    pub fn check_model(
+        planes: &[SymmetryPlane],
+        nodes: &[Point],
+        extents: &[f64],
+    ) -> Result<(), SurfaceError> {
         // Where all nodes lie in a plane, either side may be that of the model.
         let mut sides: Vec<(Vector3, bool)> = Vec::new();
-        for (plane, symmetry) in planes.iter().enumerate() {
-            let heights = nodes.iter().map(|&x| symmetry.distance(x));
-            let (low, high) =
-                heights.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| (low.min(x), high.max(x)));
-            if low.abs().min(high.abs()) > BEHIND * facet && low < 0.0 && high > 0.0 {
+        for (plane, symmetry) in checked(planes)?.iter().enumerate() {
+            let Heights { low, high, is_below, is_above, side, .. } = symmetry.heights(nodes, extents);
+            if is_below && is_above {
                 return Err(SurfaceError::CutBySymmetry { plane, low, high });
             }
-            let side = if low + high < 0.0 { -1.0 } else { 1.0 };
-            sides.push((Vector3::from(symmetry.normal) * side, low.abs().max(high.abs()) > BEHIND * facet));
+            sides.push((Vector3::from(symmetry.normal) * side, is_below || is_above));
         }
         for (second, (n, is_known)) in sides.iter().enumerate() {
             for (first, (m, is_other_known)) in sides[..second].iter().enumerate() {
@@ -187,22 +261,25 @@ impl Symmetry {
         Ok(())
     }
 
-    /// The plane that one of these points is farthest behind, seen from a surface whose largest facet has the extent `facet`: plane, place of
-    /// the point and distance. `None` if all lie on the surface's side of all planes.
+    /// The plane that one of these points is farthest behind, seen from a surface with these nodes: plane, place of the point and distance.
+    /// `None` if all lie on the surface's side of all planes. `extents`: of the smallest facet at each node.
+    ///
+    /// # Errors
+    /// [`SurfaceError::InvalidSymmetry`].
     pub fn farthest_behind(
         planes: &[SymmetryPlane],
-        surface: &[Point],
-        facet: f64,
+        nodes: &[Point],
+        extents: &[f64],
         points: impl Iterator<Item = Point> + Clone,
-    ) -> Option<(usize, usize, f64)> {
+    ) -> Result<Option<(usize, usize, f64)>, SurfaceError> {
+        let planes = checked(planes)?;
         let behind = planes.iter().enumerate().flat_map(|(number, plane)| {
-            let heights = surface.iter().map(|&x| plane.distance(x));
-            let largest =
-                heights.fold(0.0, |largest: f64, x| if x.abs() > largest.abs() { x } else { largest });
-            let points = points.clone().enumerate();
-            points.map(move |(place, x)| (number, place, -plane.distance(x) * largest.signum()))
+            let Heights { side, extent, .. } = plane.heights(nodes, extents);
+            let distances = points.clone().map(move |x| -plane.distance(x) * side);
+            let all = distances.enumerate().map(move |(place, distance)| (number, place, distance));
+            all.filter(move |&(.., distance)| distance > BEHIND * extent)
         });
-        behind.filter(|&(.., distance)| distance > BEHIND * facet).max_by(|x, y| x.2.total_cmp(&y.2))
+        Ok(behind.max_by(|x, y| x.2.total_cmp(&y.2)))
     }
 
     /// The planes alone, for a surface whose largest facet has this extent: facets need no images.
@@ -210,9 +287,8 @@ impl Symmetry {
     /// # Errors
     /// [`SurfaceError::InvalidSymmetry`].
     pub fn of_planes(planes: &[SymmetryPlane], facet: f64) -> Result<Self, SurfaceError> {
-        check(planes)?;
         let reach = IMAGES_REACH * facet;
-        Ok(Self { planes: planes.to_vec(), images: Vec::new(), reach, tolerance: ON_PLANE * reach })
+        Ok(Self { planes: checked(planes)?, images: Vec::new(), reach, tolerance: ON_PLANE * reach })
     }
 
     pub fn is_none(&self) -> bool {
@@ -271,7 +347,7 @@ impl Symmetry {
         let without = |axes: &[Vector3], x: Vector3| axes.iter().fold(x, |x, axis| x - *axis * axis.dot(&x));
         for plane in holding {
             let rest = without(&axes, Vector3::from(plane.normal));
-            if rest.norm() > SAME_IMAGE {
+            if rest.norm() > SAME_ROTATION {
                 axes.push(rest.normalize());
             }
         }
@@ -291,15 +367,15 @@ impl Symmetry {
     }
 }
 
-/// Refuses planes whose normal is no unit vector.
-fn check(planes: &[SymmetryPlane]) -> Result<(), SurfaceError> {
+/// The planes with unit normals in all digits. Refuses those whose normal is no unit vector.
+fn checked(planes: &[SymmetryPlane]) -> Result<Vec<SymmetryPlane>, SurfaceError> {
     for (plane, symmetry) in planes.iter().enumerate() {
         let length = Vector3::from(symmetry.normal).norm();
         if !((length - 1.0).abs() <= UNIT_TOLERANCE && symmetry.point.iter().all(|x| x.is_finite())) {
             return Err(SurfaceError::InvalidSymmetry { plane, length });
         }
     }
-    Ok(())
+    Ok(planes.iter().map(|plane| plane.normalised()).collect())
 }
 
 #[cfg(test)]
@@ -352,6 +428,37 @@ mod tests {
         }
     }
 
+    /// Numbers that were written with so few digits are accepted, and leave no images that are almost the model.
+    #[test]
+    fn normals_of_few_digits_have_the_images_of_unit_vectors() {
+        let rounded =
+            |x: Point, digits: i32| x.map(|x| (x * 10_f64.powi(digits)).round() / 10_f64.powi(digits));
+        let oblique = |degrees: f64| [degrees.to_radians().cos(), degrees.to_radians().sin(), 0.0];
+        let model = |at: Point| [at.map(|x| x + 1.0), at.map(|x| x + 9.0)];
+        for degrees in [45.0, 36.87, 71.3] {
+            let n = oblique(degrees);
+            for (digits, away) in [(9, 0.0), (9, 1.0), (9, 1e3), (10, 1e3), (11, 1e3), (15, 1e8), (17, 1e8)] {
+                let at = n.map(|x| away * x);
+                let plane = SymmetryPlane { point: at, normal: rounded(n, digits) };
+                let symmetry = Symmetry::new(&[plane], 8.0, model(at)).unwrap();
+                assert_eq!(symmetry.count(), 1, "{degrees} {digits} {away}");
+                let mirrored = symmetry.image(0).of(at.map(|x| x + 1.0));
+                let back = symmetry.image(0).of(mirrored);
+                assert!(squared_distance(back, at.map(|x| x + 1.0)).sqrt() <= 1e-14 * (1.0 + away));
+            }
+        }
+        for (parts, digits) in (2..12).flat_map(|parts| [(parts, 9), (parts, 10), (parts, 16)]) {
+            let angle = PI / f64::from(parts);
+            let other =
+                SymmetryPlane { point: [0.0; 3], normal: rounded([angle.sin(), -angle.cos(), 0.0], digits) };
+            let (sin, cos) = (0.5 * angle).sin_cos();
+            let model = [[20.0 * cos, 20.0 * sin, 0.0], [20.0 * cos + 0.1, 20.0 * sin + 0.1, 1.0]];
+            let planes = [SymmetryPlane::across(1, [0.0; 3]), other];
+            let symmetry = Symmetry::new(&planes, 80.0, model).unwrap();
+            assert_eq!(symmetry.count(), 2 * parts - 1, "{parts} {digits}");
+        }
+    }
+
     #[test]
     fn planes_at_another_angle_or_too_near_are_refused() {
         // Two planes with the model between them, at an angle in degrees.
@@ -361,7 +468,7 @@ mod tests {
             let (s, c) = (0.5 * degrees).to_radians().sin_cos();
             let model = [[5.0 * c, 5.0 * s, 0.0], [5.0 * c + 0.1, 5.0 * s + 0.1, 1.0]];
             let planes = [SymmetryPlane::across(1, [0.0; 3]), other];
-            Symmetry::check_model(&planes, &model, 1.0)?;
+            Symmetry::check_model(&planes, &model, &[1.0; 2])?;
             Symmetry::new(&planes, 20.0, model)
         };
         for parts in 2..20 {
@@ -379,7 +486,7 @@ mod tests {
         let flipped = |k: f64| SymmetryPlane { point: [0.0; 3], normal: [k, 0.0, 0.0] };
         let model = [[1.0, 1.0, 0.0], [2.0; 3]];
         let planes = [flipped(-1.0), SymmetryPlane { point: [0.0; 3], normal: [-0.6, 0.8, 0.0] }];
-        let error = Symmetry::check_model(&planes, &model, 1.0).unwrap_err();
+        let error = Symmetry::check_model(&planes, &model, &[1.0; 2]).unwrap_err();
         assert!(error.to_string().contains("53.13"), "{error}");
         // Wedges, given by their corners, with normals towards them and away.
         for degrees in [22.5, 30.0, 45.0, 60.0_f64] {
@@ -388,7 +495,7 @@ mod tests {
                 let other = SymmetryPlane { point: [0.0; 3], normal: [side * s, -side * c, 0.0] };
                 let planes = [SymmetryPlane::across(1, [0.0; 3]), other];
                 let wedge = [[0.0; 3], [40.0, 0.0, 0.0], [40.0, 40.0 * s / c + 1e-7, 1.0]];
-                assert_eq!(Symmetry::check_model(&planes, &wedge, 1.0), Ok(()), "{degrees}");
+                assert_eq!(Symmetry::check_model(&planes, &wedge, &[1.0; 3]), Ok(()), "{degrees}");
             }
         }
         // The middle of the box around a thin plate lies on the other side of the plane that it ends in.
@@ -404,7 +511,7 @@ mod tests {
         ];
         let corners = [[2.0, -1.0, -1.0], [-1.0, 2.0, -1.0], [-1.0, -1.0, 2.0]];
         let plate: Vec<Point> = corners.into_iter().chain(corners.map(|x| x.map(|x| x - 0.1))).collect();
-        assert_eq!(Symmetry::check_model(&planes, &plate, 1.0), Ok(()));
+        assert_eq!(Symmetry::check_model(&planes, &plate, &[1.0; 6]), Ok(()));
         let thin = SymmetryPlane { point: [0.001, 0.0, 0.0], normal: [-1.0, 0.0, 0.0] };
         let error = Symmetry::new(&[flipped(1.0), thin], 1.0, [[0.0; 3], [0.001, 1.0, 1.0]]).unwrap_err();
         assert!(matches!(error, SurfaceError::TooManyImages { images: MOST_IMAGES, .. }));

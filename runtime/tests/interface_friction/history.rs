@@ -162,6 +162,22 @@ fn an_open_contact_drops_its_anchor_and_closes_with_a_new_one() {
 }
 
 #[test]
+fn a_history_with_large_weights_is_the_same_when_it_is_read_again() {
+    let mut pressed = Pressed::new(0.1, Weight::Cubic, &[]);
+    for case in 0..20 {
+        let weight = |node: u32| 1e3 * (0.7 * f64::from(node + 17 * case)).sin();
+        let rest = 1.0 - (1..25).map(weight).sum::<f64>();
+        let point = AffinePoint::new((1..25).map(|node| (node, weight(node))).chain([(0, rest)])).unwrap();
+        let anchors = vec![Some(Anchor::new(point)), None, None, None, None];
+        pressed.interface.set_anchors(Some(anchors.clone())).unwrap();
+        let history = pressed.interface.history();
+        pressed.interface.set_history(&history).unwrap();
+        assert_eq!(pressed.interface.anchors().unwrap(), anchors, "{case}");
+        assert_eq!(pressed.interface.history(), history, "{case}");
+    }
+}
+
+#[test]
 fn what_is_no_history_is_refused() {
     let mut pressed = Pressed::new(0.1, Weight::Cubic, &[]);
     let kept = pressed.interface.anchors().unwrap().to_vec();

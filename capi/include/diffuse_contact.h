@@ -342,7 +342,8 @@ typedef struct dc_report {
     int32_t extended;
     // Pairings with the linear basis instead of the quadratic one.
     int32_t linear;
-    // With a gap by the old pairing at these positions, but none by the new.
+    // With a gap by the old pairing at these positions, but none by the new. Those that dc_follow lost in this way since the refresh before
+    // count too, unless they have a gap again.
     int32_t contacts_lost;
     // With a gap now, but none by the old pairing.
     int32_t contacts_gained;
@@ -355,7 +356,7 @@ typedef struct dc_report {
     // The gap of jump_node by the old pairing and by the new one.
     double jump_before;
     double jump_after;
-    // The gap of lost_node by the old pairing.
+    // The gap of lost_node by the old pairing, when it was lost.
     double lost_gap;
     // The gap of gained_node by the new pairing.
     double gained_gap;
@@ -671,7 +672,8 @@ enum dc_status dc_update(struct dc_interface *interface,
 
 // As dc_update, but with DC_DOMAINS the lists of nodes follow: where something has moved too far for them, see dc_refresh, they are made
 // anew. A slave stays with its side of the surface. `rebuilt`, which may be NULL, gets whether they are others now, 0 or 1: patterns of
-// before are no longer theirs then.
+// before are no longer theirs then. Contacts that are lost with the old lists are in the report of the next dc_refresh, contacts_lost and
+// lost_gap.
 //
 // DC_FROZEN while the interface is frozen: it did what dc_update does.
 //

@@ -293,7 +293,8 @@ pub struct dc_report {
     pub extended: i32,
     /// Pairings with the linear basis instead of the quadratic one.
     pub linear: i32,
-    /// With a gap by the old pairing at these positions, but none by the new.
+    /// With a gap by the old pairing at these positions, but none by the new. Those that dc_follow lost in this way since the refresh before
+    /// count too, unless they have a gap again.
     pub contacts_lost: i32,
     /// With a gap now, but none by the old pairing.
     pub contacts_gained: i32,
@@ -306,7 +307,7 @@ pub struct dc_report {
     /// The gap of jump_node by the old pairing and by the new one.
     pub jump_before: f64,
     pub jump_after: f64,
-    /// The gap of lost_node by the old pairing.
+    /// The gap of lost_node by the old pairing, when it was lost.
     pub lost_gap: f64,
     /// The gap of gained_node by the new pairing.
     pub gained_gap: f64,
@@ -358,7 +359,8 @@ impl dc_report {
 
 /// As dc_update, but with DC_DOMAINS the lists of nodes follow: where something has moved too far for them, see dc_refresh, they are made
 /// anew. A slave stays with its side of the surface. `rebuilt`, which may be NULL, gets whether they are others now, 0 or 1: patterns of
-/// before are no longer theirs then.
+/// before are no longer theirs then. Contacts that are lost with the old lists are in the report of the next dc_refresh, contacts_lost and
+/// lost_gap.
 ///
 /// DC_FROZEN while the interface is frozen: it did what dc_update does.
 ///

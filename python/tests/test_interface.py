@@ -214,6 +214,10 @@ def test_the_refresh_reports_what_was_lost(scene):
     assert report.smallest_gap_lost.slave == 82 and report.smallest_gap_lost.gap > 0.3
     report = interface.refresh_pairing(scene.positions)
     assert report.contacts_gained == 1 and report.smallest_gap_gained.gap < 0
+    assert interface.follow(lifted)
+    report = interface.refresh_pairing(lifted)
+    assert (report.lost, report.contacts_lost, report.smallest_gap_lost.slave) == (0, 1, 82)
+    assert interface.refresh_pairing(lifted).contacts_lost == 0
 
 
 def test_a_frozen_interface_keeps_its_pairing_and_moves(scene):

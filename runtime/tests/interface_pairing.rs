@@ -2,7 +2,8 @@
 
 use crate::common::{Mesh, Scene, Uniform, distance, hull_layers};
 use diffuse_contact::interface::{
-    ContactElement, ContactInterface, GapJump, InterfaceError, InterfaceOptions, NoContact, Outcome, SlaveGap,
+    ContactElement, ContactInterface, GapJump, InterfaceError, InterfaceOptions, NoContact, Outcome,
+    RefreshReport, SlaveGap,
 };
 use diffuse_contact::neighbourhood::{NeighbourRule, SearchOptions};
 use diffuse_contact::surface::{Facet, tributary_areas};
@@ -247,6 +248,50 @@ fn a_contact_that_a_refresh_loses_or_gains_is_reported() {
     let report = scene.refresh();
     assert_eq!((report.paired, report.lost, report.contacts_lost, report.contacts_gained), (1, 1, 1, 0));
     assert_eq!(report.smallest_gap_lost, Some(SlaveGap { slave: scene.first + 1, gap: before[1].unwrap() }));
+}
+
+/// Lists that follow lose contacts between two refreshes, and nobody else tells of them.
+#[test]
+fn contacts_that_following_loses_are_in_the_next_report() {
+    let options = InterfaceOptions::default().with_distance_limit(Some(1.0));
+    let places = [[5.0, 5.0, -0.1], [3.0, 3.0, -0.1], [7.0, 4.0, -0.2]];
+    let [below, deeper] = [1.2, 1.5].map(|depth| [[5.0, 5.0, -depth], [3.0, 3.0, -0.1], [7.0, 4.0, -1.1]]);
+    let mut scene = Mesh::plane(10.0, 10.0, 1.0).paired(&places, options);
+    let first = scene.first;
+    let follow = |scene: &mut Scene, slaves: &[Point]| {
+        scene.move_slaves(slaves);
+        scene.interface.follow(&scene.positions).unwrap()
+    };
+    let counts = |report: &RefreshReport| (report.contacts_lost, report.contacts_gained, report.lost);
+    for renews in [false, true] {
+        assert!(follow(&mut scene, &below));
+        follow(&mut scene, &deeper);
+        let report = match renews {
+            true => scene.interface.renew_pairing(&scene.positions).unwrap(),
+            false => scene.refresh(),
+        };
+        assert_eq!(counts(&report), (2, 0, 0));
+        assert_eq!(report.smallest_gap_lost.map(|lost| lost.slave), Some(first));
+        assert!((report.smallest_gap_lost.unwrap().gap + 1.2).abs() < 1e-12);
+        let again = scene.refresh();
+        assert_eq!((counts(&again), again.smallest_gap_lost), ((0, 0, 0), None), "once");
+
+        // What came back is not lost, whether it came back before the refresh or by it.
+        scene.move_slaves(&places);
+        assert_eq!(counts(&scene.refresh()), (0, 2, 0));
+        follow(&mut scene, &below);
+        follow(&mut scene, &places);
+        assert_eq!(counts(&scene.refresh()), (0, 0, 0));
+        follow(&mut scene, &below);
+        scene.move_slaves(&[places[0], places[1], below[2]]);
+        assert_eq!(counts(&scene.refresh()), (1, 1, 0));
+        scene.move_slaves(&places);
+        scene.refresh();
+    }
+    // A refused refresh reports nothing, so that the next one does.
+    follow(&mut scene, &below);
+    assert!(scene.interface.refresh_pairing(&scene.positions[1..]).is_err());
+    assert_eq!(scene.refresh().contacts_lost, 2);
 }
 
 #[test]

@@ -6,7 +6,7 @@ use super::misuse::refreshed;
 use super::{Mesh, message, options};
 use crate::contacts::{dc_cutback, dc_gaps};
 use crate::interface::{
-    dc_destroy, dc_evaluate, dc_freeze, dc_interface, dc_refresh, dc_report, dc_thaw, dc_update,
+    dc_destroy, dc_evaluate, dc_follow, dc_freeze, dc_interface, dc_refresh, dc_report, dc_thaw, dc_update,
 };
 use crate::options::dc_options;
 use crate::outcome::dc_outcome;
@@ -88,12 +88,21 @@ fn a_contact_lost_by_a_refresh_is_no_reason_to_cut_back() {
     // SAFETY: numbers, of which any bits are a value.
     let mut report = dc_report { size: size_of::<dc_report>(), ..unsafe { std::mem::zeroed() } };
     // SAFETY: as many positions as nodes.
-    let mut refresh = |positions: &[f64]| unsafe { dc_refresh(handle, positions.as_ptr(), 40, &mut report) };
-    assert_eq!(refresh(&mesh.positions), DC_OK);
-    assert_eq!(refresh(&moved(&mesh, [0.0, 0.0, -0.6])), DC_OK);
+    let refresh = |positions: &[f64], report: &mut dc_report| unsafe {
+        dc_refresh(handle, positions.as_ptr(), 40, report)
+    };
+    assert_eq!(refresh(&mesh.positions, &mut report), DC_OK);
+    assert_eq!(refresh(&moved(&mesh, [0.0, 0.0, -0.6]), &mut report), DC_OK);
     assert!(report.contacts_lost == 1 && report.lost_gap < -0.4, "{report:?}");
     assert_eq!(dc_thaw(handle), DC_OK);
     assert_eq!(dc_evaluate(handle, 0), DC_OK);
     assert_eq!(hint(handle), Some(1.0));
+    // So is what following lost before.
+    assert_eq!(refresh(&mesh.positions, &mut report), DC_OK);
+    let down = moved(&mesh, [0.0, 0.0, -0.6]);
+    // SAFETY: as many positions as nodes.
+    assert_eq!(unsafe { dc_follow(handle, down.as_ptr(), 40, null_mut()) }, DC_OK);
+    assert_eq!(refresh(&down, &mut report), DC_OK);
+    assert!(report.contacts_lost == 1 && report.lost == 0 && report.lost_gap < -0.4, "{report:?}");
     assert_eq!(dc_destroy(handle), DC_OK);
 }

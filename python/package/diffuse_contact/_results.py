@@ -69,9 +69,10 @@ class RefreshReport:
         fallbacks: what the searches had to give up: ``"none"``, ``"extended"``, ``"linear"``.
         deep: paired and deeper below the closest facet than a tenth of its size, the root of its area, when paired.
             If most slaves are, the master may be inside out.
-        contacts_lost: with a gap by the old pairing at these positions, but none by the new: their forces vanish.
+        contacts_lost: with a gap by the old pairing at these positions, but none by the new: their forces vanish. Those
+            that ``follow`` lost in this way since the refresh before count too, unless they have a gap again.
         contacts_gained: the other way round: forces may appear.
-        smallest_gap_lost: of the contacts lost, that with the smallest gap.
+        smallest_gap_lost: of the contacts lost, that with the smallest gap when it was lost.
         smallest_gap_gained: of the contacts gained, that with the smallest gap.
         largest_gap_jump: where the refresh changed the gap most, if it changed any.
         frozen: whether the pairing was held (``ContactInterface.freeze``): the rest then is zero.

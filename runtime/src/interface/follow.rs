@@ -6,7 +6,8 @@ use super::create::check_count;
 use super::evaluator::Evaluator;
 use super::nodal::planes_of;
 use super::pairings::Pairings;
-use super::refresh::{Compares, Refresh, RefreshScratch};
+use super::refresh::{Compares, Refresh, RefreshScratch, Refreshed};
+use super::scratch::ElementScratch;
 use super::window::Knowledge;
 use super::{ContactElement, ContactInterface, InterfaceError, Listed, RefreshReport};
 use crate::Point;
@@ -14,6 +15,9 @@ use crate::neighbourhood::SearchOptions;
 use crate::pairing::NearestNodes;
 use crate::surface::{Creases, check_position};
 use crate::vector::squared_distance;
+
+/// A report, and which slaves lost a contact, each with its gap by the old pairing.
+type Booked = (RefreshReport, Vec<(u32, f64)>);
 
 /// Which slaves are paired, and how.
 struct Pairs<'a> {
@@ -23,7 +27,7 @@ struct Pairs<'a> {
     /// The facet of each slave, where it is known.
     facets: Option<&'a [u32]>,
     /// How far each may still move with the list it has, where lists are kept.
-    holds: Option<Vec<f64>>,
+    slacks: Option<Vec<f64>>,
 }
 
 impl ContactInterface {
@@ -43,12 +47,15 @@ impl ContactInterface {
     /// As [`update`](Self::update). Pairing and positions of before then stay.
     pub fn refresh_pairing(&mut self, positions: &[Point]) -> Result<RefreshReport, InterfaceError> {
         self.check_positions(positions)?;
-        let holds = self.holds_at(positions);
-        if let Some(report) = self.kept_lists(holds.as_deref()) {
-            self.positions.copy_from_slice(positions);
-            return Ok(report);
-        }
-        self.pair(positions, Pairs { holds, ..self.anew() })
+        let slacks = self.slacks_at(positions);
+        let report = match self.kept_lists(slacks.as_deref()) {
+            Some(report) => {
+                self.positions.copy_from_slice(positions);
+                (report, Vec::new())
+            }
+            None => self.pair(positions, Pairs { slacks, ..self.anew() })?,
+        };
+        Ok(self.with_lost_before(report))
     }
 
     /// As [`refresh_pairing`](Self::refresh_pairing), but with nodal domains lists are made anew wherever everybody is: what they are then
@@ -59,36 +66,43 @@ impl ContactInterface {
     /// As [`update`](Self::update). Pairing and positions of before then stay.
     pub fn renew_pairing(&mut self, positions: &[Point]) -> Result<RefreshReport, InterfaceError> {
         self.check_positions(positions)?;
-        self.pair(positions, self.anew())
+        let report = self.pair(positions, self.anew())?;
+        Ok(self.with_lost_before(report))
     }
 
     /// As [`update`](Self::update), but with nodal domains the lists follow: where something has moved by more than half their skin, or
     /// so far that another sheet may be the closest one, they are made anew. A slave stays with its side of the surface.
-    /// Returns whether they are others now: a pattern made for the old ones is no longer theirs. To be called in every iteration.
+    /// Returns whether they are others now: a pattern made for the old ones is no longer theirs. To be called in every iteration. Contacts
+    /// that are lost with the old lists are in the report of the next refresh.
     ///
     /// # Errors
     /// As [`update`](Self::update).
     pub fn follow(&mut self, positions: &[Point]) -> Result<bool, InterfaceError> {
         self.check_positions(positions)?;
-        let holds = self.holds_at(positions);
-        if self.listed.is_none() || self.kept_lists(holds.as_deref()).is_some() {
+        let slacks = self.slacks_at(positions);
+        if self.listed.is_none() || self.kept_lists(slacks.as_deref()).is_some() {
             self.positions.copy_from_slice(positions);
             return Ok(false);
         }
         let before = Arc::clone(&self.pairings.layout);
-        self.pair(positions, Pairs { follows: true, holds, ..self.anew() })?;
+        let (_, lost) = self.pair(positions, Pairs { follows: true, slacks, ..self.anew() })?;
+        for (k, gap) in lost {
+            let deepest = self.lost.entry(k).or_insert(gap);
+            *deepest = deepest.min(gap);
+        }
         Ok(!Arc::ptr_eq(&before, &self.pairings.layout))
     }
 
     /// All slaves.
     const fn anew(&self) -> Pairs<'static> {
         let compares = if self.nodal.is_some() { Compares::OtherSheets } else { Compares::All };
-        Pairs { follows: false, compares, facets: None, holds: None }
+        Pairs { follows: false, compares, facets: None, slacks: None }
     }
 
-    /// Pairs slaves at positions that have been checked.
-    fn pair(&mut self, positions: &[Point], pairs: Pairs<'_>) -> Result<RefreshReport, InterfaceError> {
-        let Pairs { follows, compares, facets, holds } = pairs;
+    /// Pairs slaves at positions that have been checked. Returns the report, and which slaves lost a contact, each with its gap by the old
+    /// pairing.
+    fn pair(&mut self, positions: &[Point], pairs: Pairs<'_>) -> Result<Booked, InterfaceError> {
+        let Pairs { follows, compares, facets, slacks } = pairs;
         // Everything that may fail comes first; nothing of `self` changes before.
         let index = self.master.at(positions)?;
         let (search, cloud) = match self.options.element {
@@ -116,10 +130,10 @@ impl ContactInterface {
             compares,
             facets,
             follows,
-            holds: holds.as_deref(),
+            slacks: slacks.as_deref(),
             knowledge: self.known.as_ref().map(|known| Knowledge::new(known, positions)),
         };
-        let (mut pairings, report) = refresh.run(&self.refreshes, &blank);
+        let Refreshed { mut pairings, report, lost } = refresh.run(&self.refreshes, &blank);
         if pairings.layout.is_same(&self.pairings.layout) {
             // Maps of entries know the lists by the number of their layout.
             pairings.layout = Arc::clone(&self.pairings.layout);
@@ -131,7 +145,25 @@ impl ContactInterface {
         if self.nodal.is_some() {
             self.listed = Some(Listed { positions: positions.to_vec(), report: report.clone() });
         }
-        Ok(report)
+        Ok((report, lost))
+    }
+
+    /// The report of a refresh with the contacts that following has lost since the one before and that are not there again.
+    fn with_lost_before(&mut self, (mut report, lost): Booked) -> RefreshReport {
+        let mut before = std::mem::take(&mut self.lost);
+        // These are in the report.
+        for (k, _) in &lost {
+            before.remove(k);
+        }
+        let evaluator = self.evaluator();
+        let mut scratch = ElementScratch::default();
+        for (k, gap) in before {
+            let paired = self.pairings.get(k as usize);
+            if !paired.is_ok_and(|paired| evaluator.gap(&paired, &mut scratch).is_ok()) {
+                report.count_lost(self.pairings.layout.slave(k as usize), gap);
+            }
+        }
+        report
     }
 
     /// Makes other points the slaves and pairs them: those that follow the nodes in `positions`, each over its facet. On an error points
@@ -148,16 +180,21 @@ impl ContactInterface {
         let blank = Pairings::none((nodes..positions.len()).collect(), Vec::new());
         let pairings = std::mem::replace(&mut self.pairings, blank);
         let before = std::mem::replace(&mut self.positions, positions.clone());
-        let listed = self.listed.take();
-        let pairs = Pairs { follows: false, compares: Compares::None, facets: Some(facets), holds: None };
-        self.pair(&positions, pairs).inspect_err(|_| {
-            (self.pairings, self.positions, self.listed) = (pairings, before, listed);
-        })
+        let (listed, lost) = (self.listed.take(), std::mem::take(&mut self.lost));
+        let pairs = Pairs { follows: false, compares: Compares::None, facets: Some(facets), slacks: None };
+        match self.pair(&positions, pairs) {
+            Ok((report, _)) => Ok(report),
+            Err(error) => {
+                (self.pairings, self.positions) = (pairings, before);
+                (self.listed, self.lost) = (listed, lost);
+                Err(error)
+            }
+        }
     }
 
     /// How far each slave and the masters together may still move before its list has to be made anew: it has to be where that is not
     /// positive. `None`: everywhere.
-    fn holds_at(&self, positions: &[Point]) -> Option<Vec<f64>> {
+    fn slacks_at(&self, positions: &[Point]) -> Option<Vec<f64>> {
         let listed = self.listed.as_ref()?;
         if self.known.as_ref().is_some_and(|known| !known.holds_at(positions)) {
             return None;
@@ -165,14 +202,15 @@ impl ContactInterface {
         let square = |node: usize| squared_distance(positions[node], listed.positions[node]);
         let masters =
             self.master.nodes().iter().map(|&node| square(node as usize)).fold(0.0, f64::max).sqrt();
-        let Pairings { layout, holds, .. } = &self.pairings;
-        Some((0..).zip(holds).map(|(k, hold)| hold - (masters + square(layout.slave(k)).sqrt())).collect())
+        let Pairings { layout, slacks, .. } = &self.pairings;
+        let moved = |k: usize| masters + square(layout.slave(k)).sqrt();
+        Some((0..).zip(slacks).map(|(k, slack)| slack - moved(k)).collect())
     }
 
     /// The report of a refresh that leaves all lists of nodal domains as they are, as nobody has moved so far that another one is possible.
-    fn kept_lists(&self, holds: Option<&[f64]>) -> Option<RefreshReport> {
+    fn kept_lists(&self, slacks: Option<&[f64]>) -> Option<RefreshReport> {
         let listed = self.listed.as_ref()?;
-        holds?.iter().all(|&hold| hold > 0.0).then(|| {
+        slacks?.iter().all(|&slack| slack > 0.0).then(|| {
             let paired = listed.report.paired;
             let without = listed.report.without.clone();
             let (fallbacks, deep) = (listed.report.fallbacks, listed.report.deep);

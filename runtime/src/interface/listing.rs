@@ -23,6 +23,17 @@ const COARSE: f64 = 0.906_307_787_036_65;
 /// Facets beside which a node of self contact slides may turn by as much, in the cosine, before it is listed anew.
 const TURNED: f64 = 0.25;
 
+/// An auxiliary point that may come within reach of a slave.
+#[derive(Clone, Copy, Debug)]
+pub struct Between {
+    /// The nodes that carry it.
+    ends: [u32; 2],
+    /// Its number among the domains.
+    number: u32,
+    /// The number of its image, or [`NONE`].
+    image: u32,
+}
+
 impl Refresh<'_> {
     /// Lists the nodes of the slave's sheet that may come within reach, with their images.
     pub(super) fn list(
@@ -32,25 +43,42 @@ impl Refresh<'_> {
         closest: &Closest,
         scratch: &mut RefreshScratch,
     ) -> Result<Record, NoContact> {
-        let node = self.old.layout.slave(k);
-        let Evaluator { surface, creases, options, .. } = self.evaluator;
-        let RefreshScratch { masters, sheet_nodes, images, auxiliary, patch, element, .. } = scratch;
-        let Closest { facet, .. } = *closest;
-        let (wanted, falls_back, weight) = match options.element {
-            ContactElement::Diffuse { search, weight, .. } => (search.basis, search.linear_fallback, weight),
-            ContactElement::NodeToFacet => (Basis::Linear, false, Weight::default()),
+        let facet = closest.facet;
+        let (basis, fallback) = self.basis_over(nodal, facet)?;
+        let support_radius = self.list_reachable(nodal, k, facet, scratch);
+        self.list_ends_and_carriers(k, facet, scratch);
+        Ok(Record { support_radius, basis, fallback, facet })
+    }
+
+    /// The basis that the nodes around a facet carry.
+    fn basis_over(&self, nodal: &Nodal, facet: u32) -> Result<(Basis, Fallback), NoContact> {
+        let (wanted, falls_back) = match self.evaluator.options.element {
+            ContactElement::Diffuse { search, .. } => (search.basis, search.linear_fallback),
+            ContactElement::NodeToFacet => (Basis::Linear, false),
         };
-        let (basis, fallback) = match (wanted, nodal.domains.carried(facet)) {
+        match (wanted, nodal.domains.carried(facet)) {
             (Basis::Quadratic, Carried::Linear) if falls_back => {
-                (Basis::Linear, Fallback::Linear { quadratic_regularity: 0.0 })
+                Ok((Basis::Linear, Fallback::Linear { quadratic_regularity: 0.0 }))
             }
             (Basis::Quadratic, Carried::Quadratic) | (Basis::Linear, Carried::Linear) => {
-                (wanted, Fallback::None)
+                Ok((wanted, Fallback::None))
             }
             _ => {
                 let reason = NeighbourhoodError::NoCandidate { found: 0, needed: wanted.size() };
-                return Err(NoContact::NoCandidate { reason });
+                Err(NoContact::NoCandidate { reason })
             }
+        }
+    }
+
+    /// Lists what of a facet's points may come within reach of the `k`-th slave. Returns the shortest half axis of a listed domain, or less
+    /// where a short one is near; infinite where nothing is listed.
+    fn list_reachable(&self, nodal: &Nodal, k: usize, facet: u32, scratch: &mut RefreshScratch) -> f64 {
+        let node = self.old.layout.slave(k);
+        let Evaluator { surface, options, .. } = self.evaluator;
+        let RefreshScratch { masters, sheet_nodes, images, between, element, .. } = scratch;
+        let weight = match options.element {
+            ContactElement::Diffuse { weight, .. } => weight,
+            ContactElement::NodeToFacet => Weight::default(),
         };
         // A slave far beyond a border may have no place: all are listed then, and the evaluation says why there is no contact.
         let listed = nodal.domains.listed(facet);
@@ -60,15 +88,14 @@ impl Refresh<'_> {
             let domain = nodal.domain(listed, image);
             let length = place.map_or(0.0, |place| domain.length(Vector3::from(domain.position) - place));
             if length >= 1.0 + SKIN {
-                // How much shorter a listed domain would have to be for the list to hold as long as this one is out of reach.
+                // How much shorter a listed domain would have to be for the list to last as long as this one is out of reach.
                 beyond = beyond.min((length - 1.0) / SKIN * domain.shortest());
                 continue;
             }
             shortest = shortest.min(domain.shortest());
             if nodal.domains.is_auxiliary(listed) {
-                let [one, other] =
-                    nodal.domains.places_of(listed).map(|place| surface.nodes()[place as usize]);
-                auxiliary.extend([one, other, listed, image]);
+                let ends = nodal.domains.places_of(listed).map(|place| surface.nodes()[place as usize]);
+                between.push(Between { ends, number: listed, image });
                 continue;
             }
             if sheet_nodes.last() != Some(&listed) {
@@ -79,20 +106,22 @@ impl Refresh<'_> {
                 images.extend([sheet_nodes.len() as u32 - 1, image]);
             }
         }
-        if shortest.is_finite() {
-            shortest = shortest.min(beyond);
-        }
-        for [one, other, ..] in auxiliary.as_chunks::<4>().0 {
-            join(*one, masters, sheet_nodes, images);
-            join(*other, masters, sheet_nodes, images);
+        if shortest.is_finite() { shortest.min(beyond) } else { shortest }
+    }
+
+    /// Lists the nodes that carry the `k`-th slave's auxiliary points and anchors, and where its patch ends.
+    fn list_ends_and_carriers(&self, k: usize, facet: u32, scratch: &mut RefreshScratch) {
+        let Evaluator { surface, creases, .. } = self.evaluator;
+        let RefreshScratch { masters, sheet_nodes, images, between, auxiliary, patch, .. } = scratch;
+        for &node in between.iter().flat_map(|between| &between.ends) {
+            join(node, masters, sheet_nodes, images);
         }
         creases.patch_with_end(surface, facet, masters, patch);
         list_carriers(self.evaluator.anchors_of(k), masters, sheet_nodes, images);
-        for [one, other, ..] in auxiliary.as_chunks_mut::<4>().0 {
-            let place = |node: u32| masters.partition_point(|&master| master < node) as u32;
-            (*one, *other) = (place(*one), place(*other));
+        let place = |node: u32| masters.partition_point(|&master| master < node) as u32;
+        for &Between { ends: [one, other], number, image } in &*between {
+            auxiliary.extend([place(one), place(other), number, image]);
         }
-        Ok(Record { support_radius: shortest, basis, fallback, facet })
     }
 
     /// The least stretch of a facet and those beside it, at most 1: domains, and the skin around them, lie in the first configuration,
@@ -156,7 +185,7 @@ impl Refresh<'_> {
     ///
     /// Until then the list is complete, and no facet of another sheet comes to be the closest: that is farther away by twice as much, or
     /// lies beyond a convex edge whose other side the slave is as much higher above.
-    pub(super) fn holds(
+    pub(super) fn slack(
         &self,
         k: usize,
         closest: Result<&Closest, NoContact>,
@@ -212,7 +241,7 @@ impl Refresh<'_> {
             }
             let is_candidate = may_touch.as_ref().is_none_or(|may_touch| may_touch(facet));
             if is_candidate && !closest.is_ok_and(|closest| self.lists_alike(nodal, closest.facet, facet)) {
-                lead = lead.min(self.lead(slave, distance, closest.ok(), facet));
+                lead = lead.min(self.lead((Vector3::from(slave), distance), closest.ok(), facet));
             }
         });
         0.5 * lead.max(0.0)
@@ -228,9 +257,8 @@ impl Refresh<'_> {
             })
     }
 
-    /// Twice how far may be moved before another facet is the closest.
-    fn lead(&self, slave: Point, distance: f64, closest: Option<&Closest>, other: u32) -> f64 {
-        let slave = Vector3::from(slave);
+    /// Twice how far a slave at this distance may be moved before another facet is the closest.
+    fn lead(&self, (slave, distance): (Vector3, f64), closest: Option<&Closest>, other: u32) -> f64 {
         let shape = self.index.shape(other);
         let foot = shape.closest(slave);
         let nearer = foot.distance - distance;

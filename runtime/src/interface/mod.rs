@@ -86,6 +86,7 @@ mod scratch;
 mod window;
 mod within_reach;
 
+use std::collections::BTreeMap;
 use std::sync::Arc;
 
 pub use accept::FrictionReport;
@@ -140,6 +141,8 @@ pub struct ContactInterface {
     pairings: Pairings,
     /// With nodal domains: what the lists were made from.
     listed: Option<Listed>,
+    /// The slaves that following has lost a contact of since the last refresh, each with its smallest gap then.
+    lost: BTreeMap<u32, f64>,
     /// Where each slave stuck, once a state with friction has been accepted.
     anchors: Option<Vec<Option<Anchor>>>,
     /// If there is a window of the surface only.

@@ -28,7 +28,7 @@ pub struct Pairings {
     pub layout: Arc<Layout>,
     pub records: Vec<Result<Record, NoContact>>,
     /// With nodal domains: while the slave and the masters together have moved by less than this, its pairing is the same, length.
-    pub holds: Vec<f64>,
+    pub slacks: Vec<f64>,
     /// One frame per slave if frames are held, else none.
     pub frames: Vec<Frame>,
     /// The patch of each slave's masters, where it ends somewhere, so that a foot may lie beyond it. A node-to-facet element has
@@ -103,7 +103,7 @@ impl Pairings {
     /// Nobody is paired.
     pub fn none(slaves: Vec<usize>, areas: Vec<f64>) -> Self {
         let records = vec![Err(NoContact::NotPaired); slaves.len()];
-        let holds = vec![0.0; slaves.len()];
+        let slacks = vec![0.0; slaves.len()];
         let lengths = std::iter::repeat_n(0, slaves.len());
         let layout = Arc::new(Layout::new(slaves, areas, lengths, Vec::new()));
         let [patches, images, auxiliary] = <[Lists; 3]>::default();
@@ -111,7 +111,7 @@ impl Pairings {
             is_made: false,
             layout,
             records,
-            holds,
+            slacks,
             frames: Vec::new(),
             patches,
             sheet_nodes: Vec::new(),

@@ -8,6 +8,7 @@ use rayon::prelude::*;
 use super::anchors::append_carriers;
 use super::contacts::Layout;
 use super::evaluator::Evaluator;
+use super::listing::Between;
 use super::pairings::{Lists, Paired, Pairings, Record};
 use super::report::RefreshReport;
 use super::scratch::ElementScratch;
@@ -54,7 +55,7 @@ pub struct Refresh<'a> {
     /// Whether lists follow within an increment: then no slave changes to the other side of a surface.
     pub follows: bool,
     /// How far each slave may still move with the list it has, if any does: lists of those that may move stay.
-    pub holds: Option<&'a [f64]>,
+    pub slacks: Option<&'a [f64]>,
     /// What is known, where there is a window of the surface only.
     pub knowledge: Option<Knowledge<'a>>,
 }
@@ -65,11 +66,10 @@ pub struct RefreshScratch {
     search: NeighbourSearch,
     walk: Walk,
     ties: Vec<Closest>,
-    /// Whether the slave stays below a facet that it would not be paired with anew.
-    stays_below: bool,
     pub(super) masters: Vec<u32>,
     pub(super) sheet_nodes: Vec<u32>,
     pub(super) images: Vec<u32>,
+    pub(super) between: Vec<Between>,
     pub(super) auxiliary: Vec<u32>,
     pub(super) patch: Vec<u32>,
     pub(super) element: ElementScratch,
@@ -81,10 +81,10 @@ impl RefreshScratch {
             search: NeighbourSearch::new(options)?,
             walk: Walk::default(),
             ties: Vec::new(),
-            stays_below: false,
             masters: Vec::new(),
             sheet_nodes: Vec::new(),
             images: Vec::new(),
+            between: Vec::new(),
             auxiliary: Vec::new(),
             patch: Vec::new(),
             element: ElementScratch::default(),
@@ -92,11 +92,27 @@ impl RefreshScratch {
     }
 }
 
+/// What a refresh made.
+pub struct Refreshed {
+    pub pairings: Pairings,
+    pub report: RefreshReport,
+    /// Which slaves lost a contact, and the gap of each by the old pairing, in no order.
+    pub lost: Vec<(u32, f64)>,
+}
+
+/// The facet that a slave is to be paired with.
+#[derive(Clone, Copy)]
+struct Found {
+    closest: Closest,
+    /// Whether the slave stays below a facet that it would not be paired with anew.
+    stays_below: bool,
+}
+
 /// The pairing of slaves near one another.
 #[derive(Default)]
 struct Chunk {
     records: Vec<Result<Record, NoContact>>,
-    holds: Vec<f64>,
+    slacks: Vec<f64>,
     masters: Lists,
     frames: Vec<Frame>,
     patches: Lists,
@@ -104,9 +120,18 @@ struct Chunk {
     images: Lists,
     auxiliary: Lists,
     report: RefreshReport,
+    lost: Vec<(u32, f64)>,
 }
 
 impl Chunk {
+    /// Books the gap of the `k`-th slave by the old and by the new pairing, as far as there is one.
+    fn compare(&mut self, k: usize, slave: usize, before: Option<f64>, after: Option<f64>) {
+        self.report.compare(slave, before, after);
+        if after.is_none() {
+            self.lost.extend(before.map(|gap| (k as u32, gap)));
+        }
+    }
+
     /// Appends the lists of a slave.
     fn push(&mut self, paired: &Paired<'_>) {
         self.masters.push(paired.masters);
@@ -131,7 +156,7 @@ impl Chunk {
 
 impl Refresh<'_> {
     /// Pairs all slaves, in parallel; neither the pairing nor the report depends on the number of threads.
-    pub fn run(&self, pool: &Pool<RefreshScratch>, blank: &RefreshScratch) -> (Pairings, RefreshReport) {
+    pub fn run(&self, pool: &Pool<RefreshScratch>, blank: &RefreshScratch) -> Refreshed {
         let old = &self.old.layout;
         let order = spatial_order(old.slaves(), self.evaluator.positions);
         let chunks: Vec<Chunk> = order
@@ -154,7 +179,7 @@ impl Refresh<'_> {
         }
         let mut masters = Vec::with_capacity(chunks.iter().map(|chunk| chunk.masters.count()).sum());
         let mut records = Vec::with_capacity(order.len());
-        let mut holds = Vec::with_capacity(order.len());
+        let mut slacks = Vec::with_capacity(order.len());
         let mut frames = Vec::new();
         let [mut patches, mut images, mut auxiliary] = <[Lists; 3]>::default();
         let mut sheet_nodes = Vec::new();
@@ -162,7 +187,7 @@ impl Refresh<'_> {
         for &place in &places {
             let (chunk, own) = (&chunks[place / CHUNK], place % CHUNK);
             records.push(chunk.records[own]);
-            holds.push(chunk.holds[own]);
+            slacks.push(chunk.slacks[own]);
             masters.extend_from_slice(chunk.masters.get(own));
             frames.extend(chunk.frames.get(own));
             patches.push(chunk.patches.get(own));
@@ -172,56 +197,56 @@ impl Refresh<'_> {
         }
         let lengths = places.iter().map(|place| chunks[place / CHUNK].masters.range(place % CHUNK).len());
         let layout = Layout::new(old.slaves().to_vec(), old.areas().to_vec(), lengths, masters).into();
-        (
-            Pairings {
-                is_made: true,
-                layout,
-                records,
-                holds,
-                frames,
-                patches,
-                sheet_nodes,
-                images,
-                auxiliary,
-            },
-            report,
-        )
+        let pairings = Pairings {
+            is_made: true,
+            layout,
+            records,
+            slacks,
+            frames,
+            patches,
+            sheet_nodes,
+            images,
+            auxiliary,
+        };
+        Refreshed { pairings, report, lost: chunks.into_iter().flat_map(|chunk| chunk.lost).collect() }
     }
 
     /// Pairs the `k`-th slave and books it.
     fn slave(&self, k: usize, scratch: &mut RefreshScratch, chunk: &mut Chunk) {
-        if let Some(&hold) = self.holds.map(|holds| &holds[k]).filter(|hold| **hold > 0.0) {
-            return self.keep(k, hold, chunk);
+        if let Some(&slack) = self.slacks.map(|slacks| &slacks[k]).filter(|slack| **slack > 0.0) {
+            return self.keep(k, slack, chunk);
         }
         let node = self.old.layout.slave(k);
         let old = self.old.get(k).ok();
-        scratch.stays_below = false;
-        let closest = match self.facets {
-            Some(facets) => Ok(self.over(node, facets[k])),
+        let found = match self.facets {
+            Some(facets) => Ok(Found { closest: self.over(node, facets[k]), stays_below: false }),
             None => self.closest(node, old.as_ref().filter(|_| self.follows), scratch),
         };
+        let closest = found.map(|found| found.closest);
         let record = closest.and_then(|closest| {
             if self.facets.is_none() {
                 self.check_reach(node, &closest, &scratch.ties)?;
             }
             self.pair(k, &closest, scratch)
         });
-        let hold = self.holds(
-            k,
-            closest.as_ref().map_err(|reason| *reason),
-            record.as_ref().map_err(|reason| *reason),
-        );
-        // A refresh of the same positions would not find it.
-        chunk.holds.push(if scratch.stays_below { 0.0 } else { hold });
+        chunk.slacks.push(match found {
+            // A refresh of the same positions would not find it.
+            Ok(Found { stays_below: true, .. }) => 0.0,
+            _ => self.slack(
+                k,
+                closest.as_ref().map_err(|reason| *reason),
+                record.as_ref().map_err(|reason| *reason),
+            ),
+        });
         let RefreshScratch { masters, sheet_nodes, images, auxiliary, patch, element, .. } = scratch;
         let paired = record.as_ref().map_err(|reason| *reason).and_then(|record| {
             let paired =
                 Paired { slave: node, masters, record, frame: None, patch, sheet_nodes, images, auxiliary };
             Ok((paired, self.evaluator.held_frame(&paired)?))
         });
-        let report = &mut chunk.report;
         match paired {
             Ok((paired, frame)) => {
+                let report = &mut chunk.report;
                 report.paired += 1;
                 report.count_fallback(paired.record.fallback);
                 report.deep += usize::from(self.is_deep(node, paired.record.facet, closest.ok().as_ref()));
@@ -233,21 +258,21 @@ impl Refresh<'_> {
                 let paired = Paired { frame: frame.as_ref(), ..paired };
                 if self.compares(old.as_ref().map(|old| old.record.facet), paired.record.facet) {
                     let before = old.as_ref().and_then(|old| self.old_gap(old, element));
-                    report.compare(node, before, self.evaluator.gap(&paired, element).ok());
+                    chunk.compare(k, node, before, self.evaluator.gap(&paired, element).ok());
                 }
                 chunk.push(&paired);
             }
             Err(reason) => {
-                report.lost += usize::from(old.is_some());
-                report.compare(node, old.and_then(|old| self.old_gap(&old, element)), None);
+                chunk.report.lost += usize::from(old.is_some());
+                chunk.compare(k, node, old.and_then(|old| self.old_gap(&old, element)), None);
                 chunk.push_without(reason, self.evaluator.stand_in_frame());
             }
         }
     }
 
     /// Leaves the list of the `k`-th slave as it is.
-    fn keep(&self, k: usize, hold: f64, chunk: &mut Chunk) {
-        chunk.holds.push(hold);
+    fn keep(&self, k: usize, slack: f64, chunk: &mut Chunk) {
+        chunk.slacks.push(slack);
         match self.old.get(k) {
             Ok(paired) => {
                 let report = &mut chunk.report;
@@ -297,24 +322,26 @@ impl Refresh<'_> {
         node: usize,
         old: Option<&Paired<'_>>,
         scratch: &mut RefreshScratch,
-    ) -> Result<Closest, NoContact> {
-        let found = self.closest_of(node, old, scratch, |_| true);
-        let Some(old) = old else { return found };
+    ) -> Result<Found, NoContact> {
+        let found = |closest: Closest| Found { closest, stays_below: false };
+        let nearest = self.closest_of(node, old, scratch, |_| true);
+        let Some(old) = old else { return nearest.map(found) };
         let normals = self.index.normals();
         let before = normals[old.record.facet as usize];
-        match found {
+        match nearest {
             Ok(closest) if before.dot(&normals[closest.facet as usize]) < 0.0 => {
-                self.closest_of(node, Some(old), scratch, |facet| before.dot(&normals[facet as usize]) >= 0.0)
+                let is_on_its_side = |facet: u32| before.dot(&normals[facet as usize]) >= 0.0;
+                self.closest_of(node, Some(old), scratch, is_on_its_side).map(found)
             }
             // So deep below its facet, in contact with itself, that none is a candidate.
             Err(NoContact::NothingOver { .. }) => {
                 let closest = self.over(node, old.record.facet);
                 let offset = Vector3::from(self.evaluator.positions[node]) - closest.point;
                 scratch.ties.clear();
-                scratch.stays_below = before.dot(&offset) < 0.0;
-                if scratch.stays_below { Ok(closest) } else { found }
+                let stays_below = before.dot(&offset) < 0.0;
+                if stays_below { Ok(Found { closest, stays_below }) } else { nearest.map(found) }
             }
-            found => found,
+            nearest => nearest.map(found),
         }
     }
 
@@ -361,10 +388,12 @@ impl Refresh<'_> {
     /// The pairing of the `k`-th slave with the masters around its closest facet, which go to `scratch.masters`.
     fn pair(&self, k: usize, closest: &Closest, scratch: &mut RefreshScratch) -> Result<Record, NoContact> {
         let Evaluator { surface, creases, positions, options, .. } = self.evaluator;
-        let RefreshScratch { search, walk, masters, sheet_nodes, images, auxiliary, patch, .. } = scratch;
+        let RefreshScratch { search, walk, masters, sheet_nodes, images, between, auxiliary, patch, .. } =
+            scratch;
         masters.clear();
         sheet_nodes.clear();
         images.clear();
+        between.clear();
         auxiliary.clear();
         patch.clear();
         if let Some(nodal) = self.evaluator.nodal {

@@ -12,7 +12,8 @@ use crate::neighbourhood::Fallback;
 ///
 /// A pairing alone is no contact: its element may have no result, or a foot beyond the border. What an
 /// evaluation right before the refresh would have given, at the same positions, is compared with what one gives right
-/// after it: either there is a gap in both, whose largest change is `largest_gap_jump`, or a contact is lost or gained.
+/// after it: either there is a gap in both, whose largest change is `largest_gap_jump`, or a contact is lost or gained. Of what following
+/// did before only the contacts that it lost are told.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct RefreshReport {
     /// With a pairing now.
@@ -34,11 +35,12 @@ pub struct RefreshReport {
     /// Of the paired: deeper below the closest facet than a tenth of its size, the root of its area, when they were paired. All of them
     /// are where the master is inside out.
     pub deep: usize,
-    /// With a gap by the old pairing at these positions, but none by the new or without one: their forces vanish.
+    /// With a gap by the old pairing at these positions, but none by the new or without one: their forces vanish. Those that
+    /// [`follow`](super::ContactInterface::follow) lost in this way since the refresh before count too, unless they have a gap again.
     pub contacts_lost: usize,
     /// With a gap now, but none by the old pairing at these positions or without one: forces may appear.
     pub contacts_gained: usize,
-    /// Of the contacts lost, that with the smallest gap: the deepest penetration, if it is negative.
+    /// Of the contacts lost, that with the smallest gap when it was lost: the deepest penetration, if it is negative.
     pub smallest_gap_lost: Option<SlaveGap>,
     /// Of the contacts gained, that with the smallest gap.
     pub smallest_gap_gained: Option<SlaveGap>,
@@ -113,11 +115,7 @@ impl RefreshReport {
     pub(super) fn compare(&mut self, slave: usize, before: Option<f64>, after: Option<f64>) {
         match (before, after) {
             (Some(before), Some(after)) => self.meet_jump(GapJump { slave, before, after }),
-            (Some(gap), None) => {
-                self.contacts_lost += 1;
-                self.smallest_gap_lost =
-                    SlaveGap::smallest(self.smallest_gap_lost, Some(SlaveGap { slave, gap }));
-            }
+            (Some(gap), None) => self.count_lost(slave, gap),
             (None, Some(gap)) => {
                 self.contacts_gained += 1;
                 self.smallest_gap_gained =
@@ -125,6 +123,12 @@ impl RefreshReport {
             }
             (None, None) => {}
         }
+    }
+
+    /// Books a contact that is lost, with its gap by the old pairing.
+    pub(super) fn count_lost(&mut self, slave: usize, gap: f64) {
+        self.contacts_lost += 1;
+        self.smallest_gap_lost = SlaveGap::smallest(self.smallest_gap_lost, Some(SlaveGap { slave, gap }));
     }
 
     /// Of jumps of equal size that of the node with the lowest index stays.

@@ -135,12 +135,12 @@ impl ContactInterface {
 pub struct Knowledge<'a> {
     known: &'a Known,
     /// Whether nothing has moved by more than the skin.
-    holds: bool,
+    is_valid: bool,
 }
 
 impl<'a> Knowledge<'a> {
     pub fn new(known: &'a Known, positions: &[Point]) -> Self {
-        Self { known, holds: known.holds_at(positions) }
+        Self { known, is_valid: known.holds_at(positions) }
     }
 
     /// The radius of the largest ball around a point in which every facet is known; negative outside of the window.
@@ -149,7 +149,7 @@ impl<'a> Knowledge<'a> {
     }
 
     fn around(&self, point: Point) -> f64 {
-        if self.holds { self.known.around(point) } else { f64::NEG_INFINITY }
+        if self.is_valid { self.known.around(point) } else { f64::NEG_INFINITY }
     }
 
     /// The closest facet of the window, if it is that of the whole surface and within the limit of the distance. `closest` and `ties` are

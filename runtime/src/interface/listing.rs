@@ -234,16 +234,22 @@ impl Refresh<'_> {
         // Facets turn on the way.
         let may_touch =
             may_touch.map(|(own, place)| own.may_touch(self.index, Some(&nodal.domains), place, TURNED));
-        self.index.for_each_within(slave, distance + lead, |facet, from_box| {
-            // What was near when the search began need not be near enough now.
-            if from_box >= distance + lead {
-                return;
+        let is_candidate = |facet: u32| {
+            may_touch.as_ref().is_none_or(|may_touch| may_touch(facet))
+                && !closest.is_ok_and(|closest| self.lists_alike(nodal, closest.facet, facet))
+        };
+        let seen = (Vector3::from(slave), distance);
+        for (facet, from_box) in self.index.within(slave, distance + lead) {
+            // Another facet is as close: no way is left.
+            if lead <= 0.0 {
+                break;
             }
-            let is_candidate = may_touch.as_ref().is_none_or(|may_touch| may_touch(facet));
-            if is_candidate && !closest.is_ok_and(|closest| self.lists_alike(nodal, closest.facet, facet)) {
-                lead = lead.min(self.lead((Vector3::from(slave), distance), closest.ok(), facet));
+            // What was near when the search began need not be near enough now. A lead is no less than how much farther away the facet is.
+            let is_near = || !(self.index.shape(facet).at_least(seen.0) - distance >= lead);
+            if from_box < distance + lead && is_near() && is_candidate(facet) {
+                lead = lead.min(self.lead(seen, closest.ok(), facet));
             }
-        });
+        }
         0.5 * lead.max(0.0)
     }
 

@@ -163,7 +163,12 @@ impl<'a> SurfaceIndex<'a> {
             if !may(boxed.data, None) {
                 continue;
             }
-            let foot = self.shape(boxed.data).closest(x);
+            let shape = self.shape(boxed.data);
+            // Boxes around facets across the axes reach far towards the point.
+            if shape.at_least(x) > reach(least).min(limit) {
+                continue;
+            }
+            let foot = shape.closest(x);
             if foot.distance <= reach(least).min(limit) && may(boxed.data, Some(&foot)) {
                 let Foot { natural, point, distance, edges } = foot;
                 ties.push(Closest { facet: boxed.data, natural, point, distance, edges });
@@ -180,10 +185,10 @@ impl<'a> SurfaceIndex<'a> {
         ties.iter().find(decided).or_else(|| ties.first()).copied()
     }
 
-    /// Hands over the facets whose boxes are no farther from a point than a limit, with that distance, in no order.
-    pub(crate) fn for_each_within(&self, point: Point, limit: f64, mut f: impl FnMut(u32, f64)) {
+    /// The facets whose boxes are no farther from a point than a limit, with that distance, in no order.
+    pub(crate) fn within(&self, point: Point, limit: f64) -> impl Iterator<Item = (u32, f64)> {
         let boxes = self.tree.locate_within_distance(point, limit * limit);
-        boxes.for_each(|boxed| f(boxed.data, boxed.distance_2(&point).sqrt()));
+        boxes.map(move |boxed| (boxed.data, boxed.distance_2(&point).sqrt()))
     }
 
     /// The facets whose boxes meet a box, ascending.

@@ -7,6 +7,9 @@ use crate::{FacetElement, Generated, Point};
 /// A natural coordinate this close to the end of its range lies on the edge.
 const ON_EDGE: f64 = 1e-12;
 
+/// Rounding of a lower bound of a distance, over the distance of the farthest corner.
+const BOUND_ROUNDING: f64 = 1e-12;
+
 /// Natural coordinates of the corners. A triangle's are its area coordinates: x = (1 − ξ − η) x₁ + ξ x₂ + η x₃.
 const TRIANGLE: [[f64; 2]; 3] = [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]];
 const QUADRILATERAL: [[f64; 2]; 4] = [[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]];
@@ -181,6 +184,19 @@ impl Shape {
         Near { at_least: square.sqrt(), extent: f64::sqrt(diagonal) }
     }
 
+    /// A lower bound of the distance that [`closest`](Self::closest) finds, smaller than that by rounding at least: how far all corners lie
+    /// along the way to their middle. Not a number where there is no way.
+    pub fn at_least(&self, x: Vector3) -> f64 {
+        let way = self.middle() - x;
+        let (mut least, mut largest) = (f64::INFINITY, 0.0_f64);
+        for corner in self.corners() {
+            let offset = *corner - x;
+            least = least.min(way.dot(&offset));
+            largest = largest.max(offset.dot(&offset));
+        }
+        least / way.norm() - BOUND_ROUNDING * largest.sqrt()
+    }
+
     /// The square of the distance from the edges, no larger than that from any corner.
     pub fn square_from_edges(&self, x: Vector3) -> f64 {
         let count = self.corners().len();
@@ -331,6 +347,7 @@ mod tests {
                 assert!(((x - foot.point).norm() - foot.distance).abs() < 1e-12);
                 let near = shape.near(x);
                 assert!(near.at_least <= foot.distance * (1.0 + 1e-14), "{shape:?} {x:?}");
+                assert!(shape.at_least(x) < foot.distance, "{shape:?} {x:?}");
                 assert!(near.extent >= shape.extent() * (1.0 - 1e-14), "{shape:?}");
                 let best = sampled(&shape, x);
                 assert!(foot.distance <= best + 1e-12, "{shape:?} {x:?}: {} > {best}", foot.distance);

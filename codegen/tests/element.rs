@@ -357,7 +357,7 @@ fn mistakes_name_the_element_and_the_expression() {
     };
     check(error_of("a", constant), ElementError::Constant { output: named("force") }, "`force`");
     let node = |m: &ElementModel<'_>| m.value("height", m.sheet().input("z", Scope::Node));
-    let expected = ElementError::Scope { output: named("height"), scope: Scope::Node };
+    let expected = ElementError::Scope { output: named("height") };
     check(error_of("a", node), expected, "`height`");
     let unknown = |m: &ElementModel<'_>| m.value("height", m.sheet().input("z", Scope::Element));
     let expected = ElementError::Undeclared { output: named("height"), symbol: named("z") };
@@ -515,6 +515,27 @@ fn a_test_that_cannot_be_is_refused() {
     };
     assert_eq!(input, "x");
     assert!(config.test("a", &[&[2.0]], &[]).source().unwrap().contains("mod a_tests"));
+}
+
+/// Energies that are finite where their derivatives are not.
+#[test]
+fn a_test_whose_derivatives_are_not_finite_is_refused() {
+    type Formulas = fn(&ElementModel<'_>);
+    let all: [(Formulas, &[f64]); 4] = [
+        (|m| m.energy(m.variable::<Vec3<'_>>("x").norm()), &[0.0; 3]),
+        (|m| m.energy(m.variable::<Expr<'_>>("x").sqrt()), &[0.0]),
+        (|m| m.energy(m.variable::<Expr<'_>>("x").powf(0.5)), &[0.0]),
+        (|m| m.energy((m.variable::<Vec3<'_>>("x").norm() - 1.0).powi(2)), &[0.0; 3]),
+    ];
+    for (formulas, x) in all {
+        let config = Config::new().element("a", formulas).unwrap();
+        let error = config.test("a", &[x], &[]).source().unwrap_err();
+        let ConfigError::Element { source, .. } = &error else { panic!("{error}") };
+        let (ElementError::TestResult { result } | ElementError::TestDerivative { result }) = source else {
+            panic!("{error}")
+        };
+        assert!(["gradient", "hessian"].contains(&result.as_str()), "{error}");
+    }
 }
 
 #[test]

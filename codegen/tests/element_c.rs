@@ -302,10 +302,10 @@ fn names_in_c_are_those_of_the_formulas() {
 #[test]
 fn headers_are_those_of_cpp_too() {
     let formulas = |m: &ElementModel<'_>| {
-        let [new, null, errno] = m.parameters(["new", "NULL", "errno"]);
+        let [new, null, errno, huge] = m.parameters(["new", "NULL", "errno", "HUGE_VAL"]);
         let x: Expr<'_> = m.variable("x");
         let root = m.root("template", |u: Vector<'_, 1>| u * u[0] - Vector([x * x + new]));
-        m.energy(errno * null * x * x * root.unknowns[0]);
+        m.energy(errno * null * huge * x * x * root.unknowns[0]);
     };
     let config = Config::new().element("spring", formulas).unwrap().element("fitted", fitted).unwrap();
     let folder = std::path::Path::new(env!("CARGO_TARGET_TMPDIR")).join("cpp");

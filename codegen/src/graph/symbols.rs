@@ -192,8 +192,10 @@ impl Graph {
     pub fn symbol_of(&self, expr: ExprId) -> SymbolId {
         match self.op(expr) {
             Op::Symbol(symbol) => symbol,
-            Op::Constant(bits) => panic!("the number {} is not a symbol", f64::from_bits(bits)),
-            op => panic!("{op:?} is not a symbol"),
+            Op::Constant(bits) => {
+                panic!("the number {} is no input or unknown, which is needed here", f64::from_bits(bits))
+            }
+            op => panic!("a formula, {op:?}, is no input or unknown, which is needed here"),
         }
     }
 

@@ -264,11 +264,12 @@ impl<'g> ElementModel<'g> {
 
     /// An input of the element, or of each node.
     fn input<Q: Quantity<'g>>(&self, name: &str, role: Role, scope: Scope) -> Q {
-        let (quantity, symbols) = self.declared(name, scope);
         let mut fields = if scope == Scope::Node { &self.nodes } else { &self.inputs }.borrow_mut();
+        // Before the names of its entries are met twice.
         if fields.iter().any(|other| other.name == name) {
             self.fail(ElementError::Duplicate { name: name.to_owned() });
         }
+        let (quantity, symbols) = self.declared(name, scope);
         let (name, doc, dimensions) = (name.to_owned(), String::new(), Q::dimensions());
         fields.push(Input { name, doc, role, dimensions, symbols });
         quantity

@@ -1,7 +1,5 @@
 //! Mistakes in the formulas of an element.
 
-use crate::graph::Scope;
-
 /// Why there are no kernels of an element.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
@@ -45,8 +43,8 @@ pub enum ElementError {
     #[error("`{output}` does not depend on any variable")]
     Constant { output: String },
     /// An output, or an equation for unknowns, is not one value of the element, but one per node.
-    #[error("`{output}` is a value of {scope:?} scope; outputs and equations are of element scope")]
-    Scope { output: String, scope: Scope },
+    #[error("`{output}` has a value at each node, where the element needs one: add them up with `.sum()`")]
+    Scope { output: String },
     /// An output, or an entry of it, contains a symbol that is no declared input.
     #[error("`{output}` contains `{symbol}`, which was not declared by `variable` or `parameter`")]
     Undeclared { output: String, symbol: String },

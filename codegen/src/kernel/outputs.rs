@@ -353,7 +353,7 @@ impl<'g> Variables<'g> {
 /// Whether an output is one value of the element made of declared inputs.
 fn check_output(output: &str, x: Expr<'_>, declared: &[&str]) -> Result<(), ElementError> {
     if x.scope() != Scope::Element {
-        return Err(ElementError::Scope { output: output.to_owned(), scope: x.scope() });
+        return Err(ElementError::Scope { output: output.to_owned() });
     }
     let graph = x.sheet().graph();
     for expr in graph.reachable(x.id(), Graph::dependencies) {

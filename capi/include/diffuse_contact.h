@@ -1520,9 +1520,9 @@ enum dc_status dc_faces_points(struct dc_faces *faces,
                                size_t *point_count);
 
 // Adds the contact forces R on the nodes to `forces`, one entry per equation, as dc_add_forces does. `active_count`, the number of
-// slave nodes that carry pressure, and `missed_count` may be NULL. Points are missed that carry no force although they should: of loaded
-// faces those whose element has no result, whose line of force meets no place of the facet over them or whose derivatives overflow, of all
-// faces those without a place on their own curved face or the facet.
+// slave nodes that carry pressure, and `missed_count` may be NULL. Of loaded faces, points are missed that carry no force although
+// they should: those below their facet whose element has no result, those without a place on their own face or the facet, those whose line
+// of force meets no place of the facet, and those whose derivatives overflow.
 //
 // DC_OVERFLOW if a sum is not finite: the forces then hold anything, and have to be made anew.
 //

@@ -475,7 +475,7 @@ fn planes_off_by_a_fine_cell_are_refused_on_graded_surfaces() {
         let expected = InterfaceError::SlaveBehindSymmetry { node: nodes.len(), plane: 0, distance: -x };
         assert_eq!(with(at(0.0), [x, 3.0, 0.1]), if is_accepted { Ok(()) } else { Err(expected) }, "{x}");
     }
-    // At the end of the coarse cells as much as is little there is none.
+    // At the coarse end a hundredth of a coarse cell is allowed.
     let far = |slave: Point| with(at(204.5), slave);
     assert_eq!((far(slave), far([204.9, 3.0, 0.1])), (Ok(()), Ok(())));
     assert!(matches!(far([206.0, 3.0, 0.1]), Err(InterfaceError::SlaveBehindSymmetry { .. })));

@@ -194,13 +194,14 @@ fn what_the_documents_name_exists() {
 }
 
 /// What lines of shells in the documents begin with, but for paths of programs.
-const COMMANDS: [&str; 11] = [
+const COMMANDS: [&str; 12] = [
     "cargo",
     "cc",
     "cd",
     "diffuse-contact",
     "diffuse-contact-solve",
     "export",
+    "gcc",
     "gfortran",
     "mpirun",
     "pip",

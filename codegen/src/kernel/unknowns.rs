@@ -289,7 +289,7 @@ impl<'g> ElementModel<'g> {
 
     /// Equations are those of the element, and their unknowns stand in no sum.
     fn check_equations<const N: usize>(&self, name: &str, equations: Vector<'g, N>) {
-        if let Some(equation) = equations.iter().find(|equation| equation.scope() != Scope::Element) {
+        if equations.iter().any(|equation| equation.scope() != Scope::Element) {
             self.fail(ElementError::Scope { output: name.to_owned() });
         }
         if equations.iter().any(|&equation| !sums_in(equation).is_empty()) {

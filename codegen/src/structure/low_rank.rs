@@ -53,8 +53,8 @@ impl LowRankForm {
         Self { own: own.ids(), terms: products.iter().map(term).collect(), point: point.map(point_form) }
     }
 
-    /// What the form is made of, in the order in which the slave's own block would be multiplied: from the last product to the first, the
-    /// rows b before the rows c. What is lowered first is computed first.
+    /// What the form is made of, in an order that keeps the bits of the kernels there are: what is lowered first is computed first. It is that
+    /// of the sums over the products of the slave's own block.
     pub(crate) fn in_order_of_products(&self) -> Vec<ExprId> {
         let mut all = Vec::new();
         let own = |i: usize, j: usize| {

@@ -356,11 +356,10 @@ class FaceInterface(FrictionHistory):
 
     @property
     def missed(self) -> int:
-        """Points that carry no force in the last evaluation although they should.
+        """Points of loaded faces that carry no force in the last evaluation although they should.
 
-        Of loaded faces those below their facet whose element has no result, those whose line of force meets no place of
-        the facet, and those whose derivatives overflow; the last two are not known in value mode. Of all faces, in every
-        mode, those without a place on their own curved face or on the facet.
+        Those below their facet whose element has no result, and those without a place on their own face or the facet. In
+        gradient mode also those whose line of force meets no place of the facet, or whose derivatives overflow.
 
         Raises:
             InterfaceError: ``"not-evaluated"`` if positions have changed since.

@@ -52,7 +52,7 @@ pub enum AssemblyError {
     NotDerived { needed: Mode, found: Mode },
     /// A gradient or a Hessian, of the gap or of the slip, has the wrong length. With n nodes a gradient takes 3(n+1) entries, a Hessian
     /// its packed lower triangle.
-    #[error("the {what} of element {element} has {found} entries instead of {expected}{}", if *found == 0 { ": the evaluation was in a mode with fewer derivatives" } else { "" })]
+    #[error("the {what} of element {element} has {found} entries instead of {expected}{}", if *found == 0 { ": not evaluated, or in a mode with fewer derivatives" } else { "" })]
     DerivativeLength { what: &'static str, element: usize, found: usize, expected: usize },
     /// An element names a node that the map of degrees of freedom does not know.
     #[error("element {element} names node {node}, but there are only {nodes} nodes")]

@@ -181,9 +181,8 @@ impl FaceContacts {
         self.nodes.iter().filter(|node| node.pressure > 0.0).count()
     }
 
-    /// Points that carry no force although they should: of loaded faces those below their facet whose element has no result, those whose
-    /// line of force meets no place of the facet, and those whose derivatives overflow; of all faces those without a place on their own curved
-    /// face or the facet.
+    /// Points of loaded faces that carry no force although they should: those below their facet whose element has no result, those without a
+    /// place on their own face or the facet, those whose line of force meets no place of the facet, and those whose derivatives overflow.
     pub const fn missed(&self) -> usize {
         self.missed
     }

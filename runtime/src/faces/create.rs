@@ -102,7 +102,7 @@ impl FaceInterface {
             points: Vec::new(),
             limits: Vec::new(),
             cut_at: None,
-            unplaced: 0,
+            unplaced: Vec::new(),
             report: FaceReport::default(),
             smallest,
             cuts: vec![FaceCut::default(); faces.len()],

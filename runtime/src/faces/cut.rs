@@ -127,7 +127,7 @@ pub struct Cutting<'a> {
 }
 
 /// The points of a face, appended to `points`. `first`: the face in the first configuration; `functions`: what its nodes have of a force
-/// at a place, if it can be found. Returns the number of points whose place was not found.
+/// at a place, if it can be found. Returns the number of points whose place was not found on their face or facet.
 pub fn cut(
     face: &Shape,
     first: &Shape,
@@ -153,7 +153,7 @@ pub fn cut(
     layers.clear();
     index.facets_near(lower, upper, near);
     let start = points.len();
-    let (mut seen, mut unplaced) = (Vec::new(), 0);
+    let (mut seen, mut unplaced) = (Vec::new(), Vec::new());
     for &facet in near.iter() {
         let cosine = index.normals()[facet as usize].dot(&view.normal);
         let faces_it = cosine <= OPPOSITE;
@@ -196,7 +196,7 @@ pub fn cut(
                         points.push(point);
                         seen.push((place, height));
                     }
-                    _ => unplaced += 1,
+                    _ => unplaced.push((facet, place, height.unwrap_or(f64::INFINITY))),
                 }
             }
         }
@@ -208,8 +208,9 @@ pub fn cut(
             seen.next().is_some_and(|at| is_nearest(point.facet, at, layers, index, &view))
         };
         points.extend(all.into_iter().filter(is_first));
+        unplaced.retain(|&(facet, place, height)| is_nearest(facet, (place, height), layers, index, &view));
     }
-    unplaced
+    unplaced.len()
 }
 
 /// Points of the parts of a face that lie under a convex polygon, with their areas. Pieces that are not larger than `smallest` have none.

@@ -32,7 +32,7 @@ pub(super) struct Averages {
     /// The average of ∂g/∂x of each node's points, if asked for.
     pub normals: Vec<Vector3>,
     pub points: PointStates,
-    /// Points of loaded faces that lie below their facet, and whose element has no result.
+    /// Points of loaded faces whose place was not found, or that lie below their facet, and whose element has no result.
     pub missed: usize,
 }
 
@@ -148,8 +148,11 @@ impl FaceInterface {
         for (k, node) in nodes.iter_mut().enumerate() {
             *node = self.average(k, *node, normals.get_mut(k), law)?;
         }
-        let is_loaded = |face: &usize| self.places_of(*face).any(|place| nodes[place].pressure > 0.0);
-        let missed = without_result.iter().filter(|face| is_loaded(face)).count();
+        let is_loaded = |face: usize| self.places_of(face).any(|place| nodes[place].pressure > 0.0);
+        let unplaced =
+            self.unplaced.iter().enumerate().filter(|&(face, &count)| count > 0 && is_loaded(face));
+        let missed = unplaced.map(|(_, count)| count).sum::<usize>()
+            + without_result.into_iter().filter(|&face| is_loaded(face)).count();
         Ok(Averages { nodes, normals, points, missed })
     }
 

@@ -202,8 +202,8 @@ pub struct FaceInterface {
     cuts: Vec<FaceCut>,
     /// Where the faces were cut, of all nodes.
     cut_at: Option<Vec<Point>>,
-    /// Points whose place on their face of second order was not found.
-    unplaced: usize,
+    /// Of each face: points whose place on it or on the facet was not found.
+    unplaced: Vec<usize>,
     /// What cutting gave.
     report: FaceReport,
     /// The smallest extent of a face or a facet in the first configuration.
@@ -348,11 +348,12 @@ impl FaceInterface {
             })
             .collect();
         let mut by_face = Vec::with_capacity(results.len());
-        let (mut unplaced, mut beyond) = (0, Vec::with_capacity(results.len()));
+        let mut unplaced = Vec::with_capacity(results.len());
+        let mut beyond = Vec::with_capacity(results.len());
         for result in results {
             by_face.push(result.points);
             beyond.push(result.beyond);
-            unplaced += result.unplaced;
+            unplaced.push(result.unplaced);
         }
         let mut all = positions.to_vec();
         for (k, points) in by_face.iter().enumerate() {
@@ -485,7 +486,6 @@ impl FaceInterface {
         self.check_law(law)?;
         let Averages { mut nodes, normals, points, missed } = self.averages(law, law.friction.is_some())?;
         let tractions = self.tractions(law, &mut nodes, &normals)?;
-        let missed = self.unplaced + missed;
         let mut contacts = FaceContacts { nodes, mode, missed, ..FaceContacts::default() };
         if mode >= Mode::Gradient {
             // In the memory of the last evaluation: new pages would take as long as their numbers.

@@ -25,7 +25,7 @@ const TURNED: f64 = 0.25;
 
 /// An auxiliary point that may come within reach of a slave.
 #[derive(Clone, Copy, Debug)]
-pub struct Between {
+pub struct ListedAuxiliary {
     /// The nodes that carry it.
     ends: [u32; 2],
     /// Its number among the domains.
@@ -95,7 +95,7 @@ impl Refresh<'_> {
             shortest = shortest.min(domain.shortest());
             if nodal.domains.is_auxiliary(listed) {
                 let ends = nodal.domains.places_of(listed).map(|place| surface.nodes()[place as usize]);
-                between.push(Between { ends, number: listed, image });
+                between.push(ListedAuxiliary { ends, number: listed, image });
                 continue;
             }
             if sheet_nodes.last() != Some(&listed) {
@@ -119,7 +119,7 @@ impl Refresh<'_> {
         creases.patch_with_end(surface, facet, masters, patch);
         list_carriers(self.evaluator.anchors_of(k), masters, sheet_nodes, images);
         let place = |node: u32| masters.partition_point(|&master| master < node) as u32;
-        for &Between { ends: [one, other], number, image } in &*between {
+        for &ListedAuxiliary { ends: [one, other], number, image } in &*between {
             auxiliary.extend([place(one), place(other), number, image]);
         }
     }

@@ -8,7 +8,7 @@ use rayon::prelude::*;
 use super::anchors::append_carriers;
 use super::contacts::Layout;
 use super::evaluator::Evaluator;
-use super::listing::Between;
+use super::listing::ListedAuxiliary;
 use super::pairings::{Lists, Paired, Pairings, Record};
 use super::report::RefreshReport;
 use super::scratch::ElementScratch;
@@ -69,7 +69,7 @@ pub struct RefreshScratch {
     pub(super) masters: Vec<u32>,
     pub(super) sheet_nodes: Vec<u32>,
     pub(super) images: Vec<u32>,
-    pub(super) between: Vec<Between>,
+    pub(super) between: Vec<ListedAuxiliary>,
     pub(super) auxiliary: Vec<u32>,
     pub(super) patch: Vec<u32>,
     pub(super) element: ElementScratch,

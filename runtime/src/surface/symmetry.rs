@@ -16,7 +16,8 @@ const BEHIND: f64 = 0.01;
 /// Planes may be as far as this off 180° over a whole number, radians.
 const ANGLE_TOLERANCE: f64 = 1e-6;
 /// Two images are one if their rotations differ by less than this, as those of planes within the tolerance do after so many reflections.
-/// Others differ by more: of so many images around a line neighbours are 0.7° apart.
+/// Others differ by more: of so many images around a line neighbours are 0.7° apart. Far from the line they must be off by less, so that
+/// shifts agree as well.
 const SAME_ROTATION: f64 = MOST_IMAGES as f64 * ANGLE_TOLERANCE;
 /// A unit normal may be as long as this off 1.
 const UNIT_TOLERANCE: f64 = 1e-9;
@@ -49,7 +50,7 @@ impl SymmetryPlane {
     /// Where nodes with facets of these extents lie.
     fn heights(&self, nodes: &[Point], extents: &[f64]) -> Heights {
         let mut all = Heights::NONE;
-        let mut nearest = (f64::INFINITY, f64::INFINITY);
+        let mut least = f64::INFINITY;
         for (&x, &extent) in nodes.iter().zip(extents) {
             let height = self.distance(x);
             (all.low, all.high) = (all.low.min(height), all.high.max(height));
@@ -59,12 +60,13 @@ impl SymmetryPlane {
             if height.abs() <= little {
                 all.extent = all.extent.min(extent);
             }
-            if height.abs() < nearest.0 {
-                nearest = (height.abs(), extent);
-            }
+            least = least.min(height.abs());
         }
         if all.extent.is_infinite() {
-            all.extent = nearest.1;
+            // Of several that are as near the smallest, whatever their numbers.
+            let nodes = nodes.iter().zip(extents);
+            let nearest = nodes.filter(|&(&x, &extent)| self.distance(x).abs() <= least + ON_PLANE * extent);
+            all.extent = nearest.map(|(_, &extent)| extent).fold(f64::INFINITY, f64::min);
         }
         let is_behind = if all.is_below == all.is_above { all.low + all.high < 0.0 } else { all.is_below };
         all.side = if is_behind { -1.0 } else { 1.0 };

@@ -250,7 +250,7 @@ impl Beginning {
         if self.facets_under > FACETS_UNDER {
             warnings.push(format!(
                 "interface `{interface}`: each face of the slave has the area of some {:.0} facets of the master: averages over it say little, \
-                 and its tangent couples all of their nodes; exchange = true",
+                 and its tangent couples all of their nodes; master and slave the other way round are better",
                 self.facets_under
             ));
         }

@@ -11,57 +11,73 @@ const OPPOSITE: f64 = -0.5;
 /// A place deeper in the faces than this part of their size is on the far side of a body rather than in it.
 const FAR: f64 = 1.0;
 
-/// The surface of the slave, as one that nodes of the master may lie in.
+/// The faces of a slave, as a surface that nodes of the master may lie in.
 #[derive(Debug)]
-pub struct Between {
-    slave: MasterSurface,
-    master: MasterSurface,
-}
+pub struct SlaveFaces(MasterSurface);
 
-impl Between {
-    /// `None` for a slave whose facets make no surface that has an inside.
-    pub fn new(positions: &[Point], slave: &[Facet], master: &MasterSurface) -> Option<Self> {
-        let slave = MasterSurface::new(positions, slave.to_vec()).ok()?;
-        Some(Self { slave, master: master.clone() })
+impl SlaveFaces {
+    /// `None` for a slave whose faces make no surface that has an inside.
+    pub fn new(positions: &[Point], slave: &[Facet]) -> Option<Self> {
+        MasterSurface::new(positions, slave.to_vec()).ok().map(Self)
     }
 
-    /// How deep each node of the master lies in the slave's faces, over their size, of those that lie in them. `size_at`: the size of the
-    /// facets around a node of the slave, length.
-    pub fn depths(&self, positions: &[Point], size_at: impl Fn(usize) -> f64 + Sync) -> Vec<f64> {
-        let (Ok(slave), Ok(master)) = (self.slave.at(positions), self.master.at(positions)) else {
+    /// How deep each node of a master lies in the faces, over their size, of those that lie in them. `size_at`: the size of the faces around
+    /// a node of the slave, length.
+    pub fn depths(
+        &self,
+        master: &MasterSurface,
+        positions: &[Point],
+        size_at: impl Fn(usize) -> f64 + Sync,
+    ) -> Vec<f64> {
+        let Self(slave) = self;
+        let place = |&node: &u32| positions[node as usize];
+        let margin = FAR * slave.nodes().iter().map(|&node| size_at(node as usize)).fold(0.0, f64::max);
+        let [lower, upper] = bounds(slave.nodes().iter().map(place));
+        let is_near =
+            |x: Point| (0..3).all(|axis| (lower[axis] - margin..=upper[axis] + margin).contains(&x[axis]));
+        if !master.nodes().iter().any(|node| is_near(place(node))) {
             return Vec::new();
-        };
-        let mut normals = vec![Vector3::zeros(); positions.len()];
-        for k in 0..self.master.facet_count() {
-            let normal = Vector3::from(master.normal(k));
-            self.master.facet(k).corners().iter().for_each(|&node| normals[node] += normal);
         }
-        let [lower, upper] = bounds(slave.positions());
-        let margin = FAR * self.slave.nodes().iter().map(|&node| size_at(node as usize)).fold(0.0, f64::max);
+        let Ok(index) = slave.at(positions) else { return Vec::new() };
+        let normals = normals(master, positions);
         let size_of = |facet: usize| {
-            let facet = self.slave.facet(facet);
+            let facet = slave.facet(facet);
             let corners = facet.corners();
             corners.iter().map(|&node| size_at(node)).sum::<f64>() / corners.len() as f64
         };
-        let depth = |&node: &u32| {
-            let (x, normal) = (positions[node as usize], normals[node as usize]);
-            let is_near = |axis: usize| (lower[axis] - margin..=upper[axis] + margin).contains(&x[axis]);
-            if !(0..3).all(is_near) {
-                return None;
-            }
-            let found = slave.closest(x).filter(|found| !found.on_border)?;
-            let outward = Vector3::from(slave.normal(found.facet));
+        let depth = |(node, normal): (&u32, &Vector3<f64>)| {
+            let x = place(node);
+            let found = is_near(x).then(|| index.closest(x))?.filter(|found| !found.on_border)?;
+            let outward = Vector3::from(index.normal(found.facet));
             let depth = -outward.dot(&(Vector3::from(x) - Vector3::from(found.point))) / size_of(found.facet);
-            let is_opposite = outward.dot(&normal) < OPPOSITE * normal.norm();
+            let is_opposite = outward.dot(normal) < OPPOSITE * normal.norm();
             (is_opposite && depth > 0.0 && depth <= FAR).then_some(depth)
         };
-        self.master.nodes().par_iter().filter_map(depth).collect()
+        master.nodes().par_iter().zip(&normals).filter_map(depth).collect()
     }
 }
 
+/// The sum of the area vectors of the facets around each node of a surface, in the order of its nodes.
+fn normals(surface: &MasterSurface, positions: &[Point]) -> Vec<Vector3<f64>> {
+    let mut normals = vec![Vector3::zeros(); surface.nodes().len()];
+    for k in 0..surface.facet_count() {
+        let facet = surface.facet(k);
+        let corners = facet.corners();
+        let at = |corner: usize| Vector3::from(positions[corners[corner]]);
+        // Half of the product of a quadrilateral's diagonals, or of two sides of a triangle.
+        let area = (at(2) - at(0)).cross(&(at(corners.len() - 1) - at(1))) * 0.5;
+        for &node in corners {
+            if let Ok(place) = surface.nodes().binary_search(&(node as u32)) {
+                normals[place] += area;
+            }
+        }
+    }
+    normals
+}
+
 /// The box around points.
-fn bounds(points: &[Point]) -> [Point; 2] {
-    points.iter().fold([[f64::INFINITY; 3], [f64::NEG_INFINITY; 3]], |[lower, upper], point| {
+fn bounds(points: impl Iterator<Item = Point>) -> [Point; 2] {
+    points.fold([[f64::INFINITY; 3], [f64::NEG_INFINITY; 3]], |[lower, upper], point| {
         let by =
             |bound: Point, pick: fn(f64, f64) -> f64| [0, 1, 2].map(|axis| pick(bound[axis], point[axis]));
         [by(lower, f64::min), by(upper, f64::max)]

@@ -10,7 +10,7 @@ use diffuse_contact::neighbourhood::Fallback;
 use diffuse_contact::surface::{Facet, tributary_areas};
 use diffuse_contact::{Mode, Point};
 
-use super::between::Between;
+use super::between::SlaveFaces;
 use super::face_pass::FacePass;
 use super::fallbacks::Fallbacks;
 use super::losses::is_failure;
@@ -126,7 +126,7 @@ pub struct Interaction {
     /// The multipliers of each pass from before others were supposed.
     before: Vec<Vec<f64>>,
     /// Over nodes in one pass: what tells nodes of the master between slaves.
-    between: Option<Between>,
+    between: Option<SlaveFaces>,
 }
 
 impl Interaction {
@@ -175,7 +175,7 @@ impl Interaction {
         let (slave_facets, before) = (slave.len(), Vec::new());
         let is_one_sided =
             options.integration == Integration::Nodes && !options.two_pass && !options.self_contact;
-        let between = is_one_sided.then(|| Between::new(positions, slave, passes[0].master())).flatten();
+        let between = is_one_sided.then(|| SlaveFaces::new(positions, slave)).flatten();
         Ok(Self { options, passes, sizes, areas, local_sizes, facets, slave_facets, before, between })
     }
 
@@ -209,8 +209,9 @@ impl Interaction {
         all
     }
 
-    /// Slaves that carry force deep below the master, beside the size of their facets, at the last evaluation. Where slave and masters are all
-    /// prescribed it is the deck's, and left out. `longest`: the longest way of a node.
+    /// Slaves that carry force deep below the master, beside the size of their facets, at the last evaluation, which was at these positions, and
+    /// nodes of the master deep in the slave's faces. Where slave and masters are all prescribed it is the deck's, and left out. `longest`: the
+    /// longest way of a node.
     pub fn penetration(&self, positions: &[Point], longest: f64) -> Penetration {
         let (mut all, mut deepest) = (Penetration::default(), 0.0_f64);
         for slave in self.slaves().filter(|slave| slave.force > 0.0 && !slave.is_held) {
@@ -223,7 +224,8 @@ impl Interaction {
         }
         if let Some(between) = &self.between {
             let sizes = &self.local_sizes;
-            let depths = between.depths(positions, |node| sizes.get(&node).copied().unwrap_or(0.0));
+            let size_at = |node: usize| sizes.get(&node).copied().unwrap_or(0.0);
+            let depths = between.depths(self.passes[0].master(), positions, size_at);
             depths.into_iter().for_each(|part| all.count_master(part, deepest));
         }
         for (pass, size) in self.passes.iter().zip(&self.sizes) {

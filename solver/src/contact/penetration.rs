@@ -13,7 +13,7 @@ const BETWEEN: f64 = 3.0;
 const LATE: f64 = 0.05;
 
 /// Slaves of an interface, of both passes if there are two, that carry force deeper below the master than 5 % of the size of the facets around
-/// them. Over faces also points, which the average gaps of nodes do not show.
+/// them. Over nodes also nodes of the master between slaves, over faces points, which the average gaps of nodes do not show.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct Penetration {
@@ -98,7 +98,7 @@ impl Penetration {
             warnings.push(format!(
                 "interface `{interface}`: up to {masters} nodes of the master ended an increment in the slave's faces between its nodes, by up to \
                  {:.1} % of the faces' size, where nothing holds them: the slave is coarse beside the master, and forces are too small; \
-                 exchange = true, integration = \"faces\", two_pass = true or smaller faces of the slave help",
+                 master and slave the other way round, integration = \"faces\", two_pass = true or smaller faces of the slave help",
                 100.0 * part_of_masters
             ));
         }

@@ -53,13 +53,13 @@ named!(Colour {
 pub(super) fn time(deck: &Section) -> Result<TimeSettings, DeckError> {
     let section = deck.need_table("time")?.section()?.expect(schema::TIME)?;
     let end = section.or("end", 1.0, Field::positive)?;
-    let sensible = |value| value >= TimeSettings::ROUNDING * end && value <= end;
+    let sensible = |value| value >= TimeSettings::SHORTEST * end && value <= end;
     let increment = section.need("increment")?.number_in("from 1e-9 times end to end", sensible)?;
     if section.or("fixed", false, Field::flag)? {
         section.refuse(&["minimum", "maximum", "growth", "cutback"], "beside fixed = true")?;
         return Ok(TimeSettings::fixed(end, increment));
     }
-    let within = |value| value >= TimeSettings::ROUNDING * end && value <= increment;
+    let within = |value| value >= TimeSettings::SHORTEST * end && value <= increment;
     let above = |value| value >= increment && value <= end;
     let mut time = TimeSettings::new(end, increment);
     section.set("minimum", &mut time.minimum, |field| {

@@ -138,9 +138,9 @@ impl Statics {
             }
         }
         for history in &state.friction {
-            let is_over = history.anchors_before.is_empty() || history.lasted > 0.0;
-            if !(0.0..=f64::MAX).contains(&history.lasted) || !is_over {
-                let range = "positive and finite where anchors of its start are given";
+            let has_length = history.lasted > 0.0 || history.anchors_before.is_empty();
+            if !(0.0..=f64::MAX).contains(&history.lasted) || !has_length {
+                let range = "finite and at least 0, and positive where anchors of its start are given";
                 return outside("length of the last increment", history.lasted, range);
             }
             if !history.dissipated.is_finite() {

@@ -112,7 +112,7 @@ impl Settings {
         ] {
             within(name, value, value > 0.0 && value.is_finite(), "positive and finite")?;
         }
-        let is_felt = time.minimum >= TimeSettings::ROUNDING * time.end;
+        let is_felt = time.minimum >= TimeSettings::SHORTEST * time.end;
         within("time.minimum", time.minimum, is_felt, "at least 1e-9 of time.end")?;
         let (growth, cutback, absolute) = (time.growth, time.cutback, newton.absolute.unwrap_or_default());
         within("time.growth", growth, growth >= 1.0 && growth.is_finite(), "at least 1 and finite")?;
@@ -137,7 +137,7 @@ impl Settings {
 impl TimeSettings {
     /// Increments that start at `increment` and grow no further; cutting back stops after ten halvings, or at a billionth of the end.
     pub const fn new(end: f64, increment: f64) -> Self {
-        let minimum = (increment / 1024.0).max(Self::ROUNDING * end);
+        let minimum = (increment / 1024.0).max(Self::SHORTEST * end);
         Self { end, increment, minimum, maximum: increment, growth: 1.5, cutback: 0.5 }
     }
 
@@ -146,9 +146,11 @@ impl TimeSettings {
         Self { minimum: increment, growth: 1.0, ..Self::new(end, increment) }
     }
 
-    /// Rounding of a sum of increments, relative to the end. Shorter ones leave time where it is, and there would be more than 32 bits can
-    /// count.
-    pub(crate) const ROUNDING: f64 = 1e-9;
+    /// Rounding of a sum of increments, relative to the end.
+    pub(super) const ROUNDING: f64 = 1e-9;
+
+    /// The shortest increment that may be asked for, relative to the end. A run of shorter ones would be over before its end, to rounding.
+    pub(crate) const SHORTEST: f64 = 1e-9;
 
     pub(super) fn is_over(&self, time: f64) -> bool {
         time >= self.end * (1.0 - Self::ROUNDING)

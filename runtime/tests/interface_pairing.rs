@@ -288,6 +288,16 @@ fn contacts_that_following_loses_are_in_the_next_report() {
         scene.move_slaves(&places);
         scene.refresh();
     }
+    // What an attempt gained and lost again was not there at the refresh.
+    let apart = [[5.0, 5.0, 1.4], places[1], places[2]];
+    scene.move_slaves(&apart);
+    scene.refresh();
+    follow(&mut scene, &places);
+    follow(&mut scene, &[[5.0, 5.0, -1.2], places[1], places[2]]);
+    scene.move_slaves(&apart);
+    assert_eq!(counts(&scene.refresh()), (0, 0, 0));
+    scene.move_slaves(&places);
+    scene.refresh();
     // A refused refresh reports nothing, so that the next one does.
     follow(&mut scene, &below);
     assert!(scene.interface.refresh_pairing(&scene.positions[1..]).is_err());

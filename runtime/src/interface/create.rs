@@ -1,7 +1,6 @@
 //! Interfaces from a master surface and slaves, and what they keep of the first configuration: planes of symmetry, domains.
 
-use std::collections::BTreeMap;
-
+use super::follow::Lost;
 use super::nodal::{Nodal, check_planes};
 use super::pairings::Pairings;
 use super::{ContactElement, ContactInterface, Contacts, InterfaceError, InterfaceOptions};
@@ -108,7 +107,7 @@ impl ContactInterface {
             planes: Vec::new(),
             nodal: None,
             listed: None,
-            lost: BTreeMap::new(),
+            lost: Lost::default(),
             anchors: None,
             known: None,
             augmented: None,
@@ -174,7 +173,7 @@ impl ContactInterface {
     /// Until the next refresh no slave is paired.
     pub(super) fn end_pairings(&mut self) {
         self.listed = None;
-        self.lost.clear();
+        self.lost = Lost::default();
         let layout = &self.pairings.layout;
         self.pairings = Pairings::none(layout.slaves().to_vec(), layout.areas().to_vec());
     }

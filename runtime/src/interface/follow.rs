@@ -1,5 +1,6 @@
 //! Slaves and masters paired anew, and lists of nodes that follow the positions.
 
+use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use super::create::check_count;
@@ -15,6 +16,28 @@ use crate::neighbourhood::SearchOptions;
 use crate::pairing::NearestNodes;
 use crate::surface::{Creases, check_position};
 use crate::vector::squared_distance;
+
+/// What following has lost since the last refresh.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Lost {
+    /// Which slaves were paired at the refresh; `None` before following has made lists anew.
+    paired: Option<Vec<bool>>,
+    /// Those of them that lost a contact, each with its smallest gap then.
+    contacts: BTreeMap<u32, f64>,
+}
+
+impl Lost {
+    /// Adds contacts that were lost. `paired`: at the refresh, if that is not known yet. What an iteration gained and lost again is nobody's loss.
+    fn add(&mut self, paired: Option<Vec<bool>>, lost: Vec<(u32, f64)>) {
+        let paired = self.paired.get_or_insert_with(|| paired.unwrap_or_default());
+        for (k, gap) in
+            lost.into_iter().filter(|&(k, _)| paired.get(k as usize).is_some_and(|paired| *paired))
+        {
+            let deepest = self.contacts.entry(k).or_insert(gap);
+            *deepest = deepest.min(gap);
+        }
+    }
+}
 
 /// A report, and which slaves lost a contact, each with its gap by the old pairing.
 type Booked = (RefreshReport, Vec<(u32, f64)>);
@@ -85,11 +108,12 @@ impl ContactInterface {
             return Ok(false);
         }
         let before = Arc::clone(&self.pairings.layout);
+        let paired = match &self.lost.paired {
+            Some(_) => None,
+            None => Some((0..before.slaves().len()).map(|k| self.pairings.get(k).is_ok()).collect()),
+        };
         let (_, lost) = self.pair(positions, Pairs { follows: true, slacks, ..self.anew() })?;
-        for (k, gap) in lost {
-            let deepest = self.lost.entry(k).or_insert(gap);
-            *deepest = deepest.min(gap);
-        }
+        self.lost.add(paired, lost);
         Ok(!Arc::ptr_eq(&before, &self.pairings.layout))
     }
 
@@ -150,7 +174,7 @@ impl ContactInterface {
 
     /// The report of a refresh with the contacts that following has lost since the one before and that are not there again.
     fn with_lost_before(&mut self, (mut report, lost): Booked) -> RefreshReport {
-        let mut before = std::mem::take(&mut self.lost);
+        let mut before = std::mem::take(&mut self.lost).contacts;
         // These are in the report.
         for (k, _) in &lost {
             before.remove(k);

@@ -86,7 +86,6 @@ mod scratch;
 mod window;
 mod within_reach;
 
-use std::collections::BTreeMap;
 use std::sync::Arc;
 
 pub use accept::FrictionReport;
@@ -141,8 +140,8 @@ pub struct ContactInterface {
     pairings: Pairings,
     /// With nodal domains: what the lists were made from.
     listed: Option<Listed>,
-    /// The slaves that following has lost a contact of since the last refresh, each with its smallest gap then.
-    lost: BTreeMap<u32, f64>,
+    /// What following has lost since the last refresh.
+    lost: follow::Lost,
     /// Where each slave stuck, once a state with friction has been accepted.
     anchors: Option<Vec<Option<Anchor>>>,
     /// If there is a window of the surface only.

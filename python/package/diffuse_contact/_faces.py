@@ -358,8 +358,8 @@ class FaceInterface(FrictionHistory):
     def missed(self) -> int:
         """Points of loaded faces that carry no force in the last evaluation although they should.
 
-        Those below their facet whose element has no result, and those without a place on their own face or the facet. In
-        gradient mode also those whose line of force meets no place of the facet, or whose derivatives overflow.
+        Those below their facet whose element has no result, and those without a place on their own face or the facet.
+        In gradient mode also those whose line of force meets no place of the facet, or whose derivatives overflow.
 
         Raises:
             InterfaceError: ``"not-evaluated"`` if positions have changed since.

@@ -416,8 +416,8 @@ class ContactInterface(FrictionHistory):
     def follow(self, positions: ArrayLike) -> bool:
         """As ``update``, but with domains of influence the lists of nodes follow.
 
-        A slave stays with its side of the surface. Contacts that are lost with the old lists are in the report of the next
-        ``refresh_pairing``.
+        A slave stays with its side of the surface. Contacts that are lost with the old lists are in the report of the
+        next ``refresh_pairing``.
 
         Returns:
             Whether lists are others now, as something had moved too far for them, see ``refresh_pairing``: the sparsity

@@ -97,7 +97,7 @@ impl Penetration {
         if *masters > 0 {
             warnings.push(format!(
                 "interface `{interface}`: up to {masters} nodes of the master ended an increment in the slave's faces between its nodes, by up to \
-                 {:.1} % of the faces' size, where nothing holds them: the slave is coarse beside the master, and forces are too small; \
+                 {:.1} % of the faces' size, where nothing holds them: the slave is coarse beside the master, and forces may be too small; \
                  master and slave the other way round, integration = \"faces\", two_pass = true or smaller faces of the slave help",
                 100.0 * part_of_masters
             ));

@@ -32,7 +32,7 @@ pub(super) struct Averages {
     /// The average of ∂g/∂x of each node's points, if asked for.
     pub normals: Vec<Vector3>,
     pub points: PointStates,
-    /// Points of loaded faces whose place was not found, or that lie below their facet, and whose element has no result.
+    /// Points of loaded faces without a place, and those below their facet whose element has no result.
     pub missed: usize,
 }
 

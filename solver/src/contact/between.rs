@@ -5,6 +5,8 @@ use diffuse_contact::surface::{Facet, MasterSurface};
 use nalgebra::Vector3;
 use rayon::prelude::*;
 
+use super::tracks::twice_area_vector;
+
 /// Of facets that touch, normals are at least as opposite as this cosine says.
 const OPPOSITE: f64 = -0.5;
 
@@ -57,16 +59,13 @@ impl SlaveFaces {
     }
 }
 
-/// The sum of the area vectors of the facets around each node of a surface, in the order of its nodes.
+/// Along the normal at each node of a surface, in the order of its nodes: the facets around it count by their areas.
 fn normals(surface: &MasterSurface, positions: &[Point]) -> Vec<Vector3<f64>> {
     let mut normals = vec![Vector3::zeros(); surface.nodes().len()];
     for k in 0..surface.facet_count() {
         let facet = surface.facet(k);
-        let corners = facet.corners();
-        let at = |corner: usize| Vector3::from(positions[corners[corner]]);
-        // Half of the product of a quadrilateral's diagonals, or of two sides of a triangle.
-        let area = (at(2) - at(0)).cross(&(at(corners.len() - 1) - at(1))) * 0.5;
-        for &node in corners {
+        let area = twice_area_vector(&facet, positions);
+        for &node in facet.corners() {
             if let Ok(place) = surface.nodes().binary_search(&(node as u32)) {
                 normals[place] += area;
             }

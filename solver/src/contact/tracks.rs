@@ -219,14 +219,19 @@ struct Plane {
     normal: Vector3<f64>,
 }
 
+/// Twice the area vector of a facet, outward: the product of its diagonals, one of which is an edge on a triangle.
+pub(super) fn twice_area_vector(facet: &Facet, positions: &[Point]) -> Vector3<f64> {
+    let corners = facet.corners();
+    let at = |k: usize| Vector3::from(positions[corners[k % corners.len()]]);
+    (at(2) - at(0)).cross(&(at(3) - at(1)))
+}
+
 impl Plane {
     fn of(facet: &Facet, positions: &[Point]) -> Self {
         let corners = facet.corners();
         let at = |k: usize| Vector3::from(positions[corners[k % corners.len()]]);
         let middle = (0..corners.len()).map(at).sum::<Vector3<f64>>() / corners.len() as f64;
-        // Of the diagonals, one of which is an edge on a triangle.
-        let normal = (at(2) - at(0)).cross(&(at(3) - at(1))).normalize();
-        Self { middle, normal }
+        Self { middle, normal: twice_area_vector(facet, positions).normalize() }
     }
 
     /// How high above the plane a point lies, and its offset from the middle along it.
